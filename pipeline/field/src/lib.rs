@@ -1,0 +1,12 @@
+//! The baked field: a kd-tree whose leaves hold small neural nets.
+//! Plain slices in, plain slices out; no files, no scene.
+//!
+//! A row is a query: surface point p, normal n, unit direction to the viewer v,
+//! light position l, material parameters a (see [`columns`]).
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod columns;
+pub mod model;
+pub mod net;
+pub mod tree;
