@@ -1,0 +1,164 @@
+//! `RUN/run.json`: what a run folder belongs to and how it was asked for.
+
+use crate::atomic::{atomic_write, create_folder, io_error};
+use crate::error::StoreError;
+use std::io::{ErrorKind, Read};
+use std::path::{Path, PathBuf};
+
+/// Version of `run.json` and of the folder's layout.
+pub const FORMAT: u32 = 1;
+
+const LIMIT: u64 = 16 << 20;
+const REMEDY: &str = "Bake into a new folder";
+
+/// What every table of a run must agree with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunFacts {
+    /// blake3 of what the scene file means, 64 hexadecimal digits.
+    pub scene_hash: String,
+    /// Seed of every random number.
+    pub seed: u64,
+}
+
+/// A run as a person asked for it, with every setting as it was used.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunManifest {
+    /// [`FORMAT`].
+    pub format: u32,
+    /// Program and version, `rrf 0.1.0`.
+    pub created_by: String,
+    /// The scene file as it was named.
+    pub scene: PathBuf,
+    /// blake3 of what the scene file means, 64 hexadecimal digits.
+    pub scene_hash: String,
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Where lights may be: least x y z, greatest x y z [m], world frame.
+    pub light_box: [f32; 6],
+    /// Every other setting, as the stages take them.
+    pub config: serde_json::Value,
+}
+
+impl RunManifest {
+    /// Where the manifest of a run lies.
+    pub fn path(run: &Path) -> PathBuf {
+        run.join("run.json")
+    }
+
+    /// The facts that tables repeat.
+    pub fn facts(&self) -> RunFacts {
+        RunFacts {
+            scene_hash: self.scene_hash.clone(),
+            seed: self.seed,
+        }
+    }
+
+    /// Writes `RUN/run.json`, making the folder where missing.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`]; [`StoreError::Corrupt`] for values that could not be read back.
+    pub fn write(&self, run: &Path) -> Result<(), StoreError> {
+        let path = RunManifest::path(run);
+        self.validate(&path)?;
+        let mut text = serde_json::to_vec_pretty(self).map_err(|e| corrupt(&path, e))?;
+        text.push(b'\n');
+        create_folder(run)?;
+        atomic_write(&path, &text)
+    }
+
+    /// Reads `RUN/run.json`.
+    ///
+    /// # Errors
+    /// [`StoreError::NotARun`] without one, [`StoreError::Version`], [`StoreError::Corrupt`].
+    pub fn read(run: &Path) -> Result<RunManifest, StoreError> {
+        let path = RunManifest::path(run);
+        let mut text = Vec::new();
+        let size = std::fs::File::open(&path)
+            .and_then(|file| file.take(LIMIT + 1).read_to_end(&mut text))
+            .map_err(|e| match e.kind() {
+                ErrorKind::NotFound | ErrorKind::NotADirectory => {
+                    StoreError::NotARun { path: run.into() }
+                }
+                _ => io_error(&path, "read", e),
+            })?;
+        if size as u64 > LIMIT {
+            return Err(StoreError::TooLarge {
+                path,
+                what: "its size in bytes",
+                found: size as u64,
+                limit: LIMIT,
+            });
+        }
+        let value: serde_json::Value =
+            serde_json::from_slice(&text).map_err(|e| corrupt(&path, e))?;
+        let format = value.get("format").cloned().unwrap_or_default();
+        if format != FORMAT {
+            return Err(StoreError::Version {
+                path,
+                table: "run.json",
+                expected: FORMAT,
+                found: format.to_string(),
+                remedy: REMEDY,
+            });
+        }
+        let manifest: RunManifest = serde_json::from_value(value).map_err(|e| corrupt(&path, e))?;
+        manifest.validate(&path)?;
+        Ok(manifest)
+    }
+
+    /// Checks that a run belongs to the scene and seed at hand.
+    ///
+    /// # Errors
+    /// [`StoreError::Foreign`] naming both.
+    pub fn expect(&self, run: &Path, facts: &RunFacts) -> Result<(), StoreError> {
+        self.facts().expect(&RunManifest::path(run), facts)
+    }
+
+    fn validate(&self, path: &Path) -> Result<(), StoreError> {
+        let [x0, y0, z0, x1, y1, z1] = self.light_box;
+        let ordered = x0 <= x1 && y0 <= y1 && z0 <= z1;
+        if !ordered || !self.light_box.iter().all(|x| x.is_finite()) {
+            let found = self.light_box;
+            return Err(corrupt(path, format!("light_box {found:?} is no box")));
+        }
+        if self.scene_hash.len() != 64 || !self.scene_hash.bytes().all(|b| b.is_ascii_hexdigit()) {
+            return Err(corrupt(path, "scene_hash is not 64 hexadecimal digits"));
+        }
+        Ok(())
+    }
+}
+
+impl RunFacts {
+    /// Checks that these facts, found in `path`, are those expected.
+    ///
+    /// # Errors
+    /// [`StoreError::Foreign`] naming both.
+    pub fn expect(&self, path: &Path, expected: &RunFacts) -> Result<(), StoreError> {
+        let foreign = |fact, expected: String, found: String| StoreError::Foreign {
+            path: path.into(),
+            fact,
+            expected,
+            found,
+            remedy: "The folder belongs to another run: choose another folder",
+        };
+        if self.scene_hash != expected.scene_hash {
+            let (expected, found) = (expected.scene_hash.clone(), self.scene_hash.clone());
+            return Err(foreign("scene hash", expected, found));
+        }
+        if self.seed != expected.seed {
+            let (expected, found) = (expected.seed.to_string(), self.seed.to_string());
+            return Err(foreign("seed", expected, found));
+        }
+        Ok(())
+    }
+}
+
+fn corrupt(path: &Path, reason: impl ToString) -> StoreError {
+    StoreError::Corrupt {
+        path: path.into(),
+        format: "run.json",
+        reason: reason.to_string(),
+        remedy: REMEDY,
+    }
+}

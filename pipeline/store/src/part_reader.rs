@@ -1,0 +1,134 @@
+//! One part of the samples dataset, batch by batch, everything checked.
+
+use crate::columns::Source;
+use crate::content::ContentHash;
+use crate::error::StoreError;
+use crate::guard::Limits;
+use crate::manifest::RunFacts;
+use crate::parquet_file::{self, Batches};
+use crate::parts::{KEY_CELL, KEY_CONTENT, KEY_PART, KEY_SCENE, KEY_SEED};
+use crate::samples::CELL_ID;
+use crate::schema::{self, Table};
+use arrow::array::RecordBatch;
+use arrow::datatypes::UInt32Type;
+use std::path::{Path, PathBuf};
+
+pub(crate) const REMEDY: &str = "Delete the file and run again with --resume to make it anew";
+
+/// The batches of one part. Schema, version, scene, seed, cell and part are checked when it is
+/// opened, cell ids and nulls in every batch, the content hash after the last: use no rows of a
+/// part that ended in an error.
+pub struct PartReader {
+    path: PathBuf,
+    cell: u32,
+    batches: Batches,
+    content: Option<(ContentHash, String)>,
+}
+
+impl PartReader {
+    /// Opens a part that must be of this cell, number, scene and seed.
+    ///
+    /// # Errors
+    /// [`StoreError::Io`], [`StoreError::Corrupt`], [`StoreError::Schema`],
+    /// [`StoreError::Version`], [`StoreError::Foreign`], [`StoreError::TooLarge`].
+    pub fn open(
+        path: &Path,
+        cell: u32,
+        part: u32,
+        facts: &RunFacts,
+    ) -> Result<PartReader, StoreError> {
+        let batches = parquet_file::open(path, Limits::default(), REMEDY)?;
+        let found = batches.schema();
+        schema::table(Table::Samples)?.check(path, &found, REMEDY)?;
+        let fact = |key: &str| found.metadata().get(key).cloned().unwrap_or_default();
+        let expected = [
+            ("scene hash", facts.scene_hash.clone(), fact(KEY_SCENE)),
+            ("seed", facts.seed.to_string(), fact(KEY_SEED)),
+            ("cell", cell.to_string(), fact(KEY_CELL)),
+            ("part", part.to_string(), fact(KEY_PART)),
+        ];
+        for (fact, expected, found) in expected {
+            if expected != found {
+                return Err(foreign(path, fact, expected, found));
+            }
+        }
+        Ok(PartReader {
+            path: path.into(),
+            cell,
+            content: Some((ContentHash::new(&found), fact(KEY_CONTENT))),
+            batches,
+        })
+    }
+
+    /// Rows that the file says it has.
+    pub fn rows(&self) -> usize {
+        self.batches.rows()
+    }
+
+    fn check(&mut self, batch: &RecordBatch) -> Result<(), StoreError> {
+        let source = Source {
+            path: &self.path,
+            table: "samples",
+            remedy: REMEDY,
+        };
+        for (field, array) in batch.schema().fields().iter().zip(batch.columns()) {
+            source.no_null(array.as_ref(), field.name())?;
+        }
+        let cells = source.values::<UInt32Type>(batch, CELL_ID)?;
+        if let Some(other) = cells.iter().find(|&&id| id != self.cell) {
+            let (expected, found) = (self.cell.to_string(), other.to_string());
+            return Err(foreign(&self.path, "cell_id", expected, found));
+        }
+        match &mut self.content {
+            Some((hash, _)) => hash.update(batch),
+            None => Ok(()),
+        }
+    }
+
+    fn check_content(&mut self) -> Option<Result<RecordBatch, StoreError>> {
+        let (hash, expected) = self.content.take()?;
+        let found = hash.finish();
+        (found != expected).then(|| {
+            Err(StoreError::Corrupt {
+                path: self.path.clone(),
+                format: "Parquet",
+                reason: format!("its values hash to {found}, written was {expected}"),
+                remedy: REMEDY,
+            })
+        })
+    }
+}
+
+impl Iterator for PartReader {
+    type Item = Result<RecordBatch, StoreError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let batch = match self.batches.next() {
+            None => return self.check_content(),
+            Some(Ok(batch)) => batch,
+            Some(Err(error)) => {
+                self.content = None;
+                return Some(Err(error));
+            }
+        };
+        match self.check(&batch) {
+            Ok(()) => Some(Ok(batch)),
+            Err(error) => {
+                self.content = None;
+                self.batches.stop();
+                Some(Err(error))
+            }
+        }
+    }
+}
+
+fn foreign(path: &Path, fact: &'static str, expected: String, found: String) -> StoreError {
+    StoreError::Foreign {
+        path: path.into(),
+        fact,
+        expected,
+        found,
+        remedy: "The file belongs to another run or place: choose another run folder, \
+                 or delete the file and run again with --resume",
+    }
+}

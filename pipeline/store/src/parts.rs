@@ -1,0 +1,195 @@
+//! The samples dataset: Hive-partitioned Parquet, one folder a cell.
+//!
+//! A part's bytes depend on its rows, its place and the run's facts only. It is made in memory,
+//! staged in `staging/` and renamed, so that `samples/` never holds anything unfinished.
+
+use crate::atomic::{atomic_write_from, create_folder};
+use crate::content::ContentHash;
+use crate::error::StoreError;
+use crate::layout;
+use crate::manifest::RunFacts;
+use crate::parquet_file::CREATED_BY;
+use crate::part_reader::{PartReader, REMEDY};
+use crate::samples::SampleTable;
+use crate::schema::{self, KEY_SCHEMA, KEY_VERSION, Table};
+use arrow::array::RecordBatch;
+use arrow::datatypes::DataType;
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression, Encoding, ZstdLevel};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::schema::types::ColumnPath;
+use std::path::{Path, PathBuf};
+
+/// Rows a row group: 7.6 MB of values.
+const ROW_GROUP: usize = 65_536;
+
+pub(crate) const KEY_SCENE: &str = "rrf.scene_hash";
+pub(crate) const KEY_SEED: &str = "rrf.seed";
+pub(crate) const KEY_CELL: &str = "rrf.cell";
+pub(crate) const KEY_PART: &str = "rrf.part";
+pub(crate) const KEY_CONTENT: &str = "rrf.content_hash";
+
+/// A part as written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PartInfo {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Rows in it.
+    pub rows: usize,
+    /// Its size.
+    pub bytes: usize,
+    /// blake3 of the file, 64 hexadecimal digits.
+    pub hash: String,
+}
+
+/// A cell's samples, all parts in order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellSamples {
+    /// The rows.
+    pub table: SampleTable,
+    /// How many of them hold a value that is not finite.
+    pub not_finite_rows: usize,
+}
+
+/// Writes one part of a cell, replacing it where it exists.
+///
+/// # Errors
+/// [`StoreError::Columns`] for columns of differing length, [`StoreError::Io`].
+pub fn write_part(
+    run: &Path,
+    part: u32,
+    table: &SampleTable,
+    facts: &RunFacts,
+) -> Result<PartInfo, StoreError> {
+    let cell = table.cell_id;
+    let bytes = encode_part(part, table, facts)?;
+    let path = layout::part_path(run, cell, part);
+    let staging = layout::staging_folder(run);
+    create_folder(&staging)?;
+    create_folder(&layout::cell_folder(run, cell))?;
+    let name = format!("cell={cell:06}-part-{part:05}");
+    atomic_write_from(&staging, &name, &path, &bytes)?;
+    Ok(PartInfo {
+        path,
+        rows: table.len(),
+        bytes: bytes.len(),
+        hash: blake3::hash(&bytes).to_hex().to_string(),
+    })
+}
+
+/// The bytes that [`write_part`] writes.
+///
+/// # Errors
+/// [`StoreError::Columns`] for columns of differing length.
+pub fn encode_part(
+    part: u32,
+    table: &SampleTable,
+    facts: &RunFacts,
+) -> Result<Vec<u8>, StoreError> {
+    let batch = table.to_batch()?;
+    let mut hash = ContentHash::new(&batch.schema());
+    hash.update(&batch)?;
+    let schema = schema::table(Table::Samples)?;
+    let metadata = [
+        (KEY_SCHEMA, schema.table.name().to_string()),
+        (KEY_VERSION, schema.version.to_string()),
+        (KEY_SCENE, facts.scene_hash.clone()),
+        (KEY_SEED, facts.seed.to_string()),
+        (KEY_CELL, table.cell_id.to_string()),
+        (KEY_PART, part.to_string()),
+        (KEY_CONTENT, hash.finish()),
+    ]
+    .map(|(key, value)| KeyValue::new(key.to_string(), value));
+    encode(&batch, metadata.to_vec()).map_err(|e| StoreError::Columns {
+        table: "samples",
+        reason: e.to_string(),
+    })
+}
+
+fn encode(batch: &RecordBatch, metadata: Vec<KeyValue>) -> Result<Vec<u8>, ParquetError> {
+    let mut properties = WriterProperties::builder()
+        .set_created_by(CREATED_BY.into())
+        .set_compression(Compression::ZSTD(ZstdLevel::try_new(3)?))
+        .set_statistics_enabled(EnabledStatistics::Page)
+        .set_max_row_group_row_count(Some(ROW_GROUP))
+        .set_dictionary_enabled(false)
+        .set_key_value_metadata(Some(metadata));
+    for field in batch.schema().fields() {
+        let encoding = match field.data_type() {
+            // Bytes of like weight side by side: noisy floats share their exponents.
+            DataType::Float32 => Encoding::BYTE_STREAM_SPLIT,
+            _ => Encoding::DELTA_BINARY_PACKED,
+        };
+        let column = ColumnPath::from(field.name().as_str());
+        properties = properties.set_column_encoding(column, encoding);
+    }
+    let mut bytes = Vec::new();
+    let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties.build()))?;
+    writer.write(batch)?;
+    writer.close()?;
+    Ok(bytes)
+}
+
+/// Reads all parts of a cell, in order.
+///
+/// # Errors
+/// [`StoreError::NoSamples`] for a cell without parts, and whatever [`PartReader`] finds.
+pub fn read_cell(run: &Path, cell: u32, facts: &RunFacts) -> Result<CellSamples, StoreError> {
+    let parts = layout::list_parts(run, cell)?;
+    if parts.is_empty() {
+        return Err(StoreError::NoSamples {
+            path: layout::cell_folder(run, cell),
+        });
+    }
+    let mut table = SampleTable {
+        cell_id: cell,
+        ..SampleTable::default()
+    };
+    for part in parts {
+        read_part_into(run, cell, part, facts, &mut table)?;
+    }
+    let not_finite_rows = table.not_finite_rows();
+    Ok(CellSamples {
+        table,
+        not_finite_rows,
+    })
+}
+
+/// Reads one part of a cell.
+///
+/// # Errors
+/// Whatever [`PartReader`] finds.
+pub fn read_part(
+    run: &Path,
+    cell: u32,
+    part: u32,
+    facts: &RunFacts,
+) -> Result<SampleTable, StoreError> {
+    let mut table = SampleTable {
+        cell_id: cell,
+        ..SampleTable::default()
+    };
+    read_part_into(run, cell, part, facts, &mut table)?;
+    Ok(table)
+}
+
+fn read_part_into(
+    run: &Path,
+    cell: u32,
+    part: u32,
+    facts: &RunFacts,
+    table: &mut SampleTable,
+) -> Result<(), StoreError> {
+    let path = layout::part_path(run, cell, part);
+    let source = crate::columns::Source {
+        path: &path,
+        table: "samples",
+        remedy: REMEDY,
+    };
+    for batch in PartReader::open(&path, cell, part, facts)? {
+        table.append(&batch?, source)?;
+    }
+    Ok(())
+}

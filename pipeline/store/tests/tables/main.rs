@@ -1,0 +1,8 @@
+//! The store from outside: what is written is read back, byte for byte the same each time,
+//! and what is damaged, foreign or hostile is refused with a reason.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+
+mod made;
+mod model;
+mod points;
+mod samples;
