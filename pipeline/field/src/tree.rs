@@ -19,6 +19,36 @@ pub struct Tree {
     pub cell: Vec<u32>,
 }
 
+/// A box in the space of raw columns, `minimum <= x < maximum` on each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Domain {
+    /// Lower bound an axis, inclusive.
+    pub minimum: [f32; columns::COUNT],
+    /// Upper bound an axis, exclusive.
+    pub maximum: [f32; columns::COUNT],
+}
+
+impl Domain {
+    /// Everything.
+    pub const ALL: Domain = Domain {
+        minimum: [f32::NEG_INFINITY; columns::COUNT],
+        maximum: [f32::INFINITY; columns::COUNT],
+    };
+    /// Nothing.
+    pub const EMPTY: Domain = Domain {
+        minimum: [f32::INFINITY; columns::COUNT],
+        maximum: [f32::NEG_INFINITY; columns::COUNT],
+    };
+
+    /// Whether the three columns from `first` on hold a point of the box.
+    pub fn holds(&self, first: usize, point: [f32; 3]) -> bool {
+        point
+            .iter()
+            .enumerate()
+            .all(|(i, &x)| self.minimum[first + i] <= x && x < self.maximum[first + i])
+    }
+}
+
 impl Tree {
     /// A tree of one leaf, cell 0.
     pub fn single() -> Tree {
@@ -50,6 +80,39 @@ impl Tree {
         (0..rows.len()).map(|r| self.find(&rows.row(r))).collect()
     }
 
+    /// The box of each cell in raw columns, `[minimum, maximum)` an axis, infinite where
+    /// no split bounds it. Indexed by cell id; an id that no leaf has keeps an empty box.
+    pub fn domains(&self) -> Vec<Domain> {
+        let ids = self.cell.iter().filter(|&&c| c != u32::MAX);
+        let count = ids.max().map_or(0, |&c| c as usize + 1);
+        let mut domains = vec![Domain::EMPTY; count];
+        let mut stack = vec![(0usize, Domain::ALL)];
+        while let Some((node, domain)) = stack.pop() {
+            if self.axis[node] == LEAF {
+                domains[self.cell[node] as usize] = domain;
+                continue;
+            }
+            let (axis, at) = (self.axis[node] as usize, self.threshold[node]);
+            let (mut left, mut right) = (domain, domain);
+            left.maximum[axis] = left.maximum[axis].min(at);
+            right.minimum[axis] = right.minimum[axis].max(at);
+            stack.push((self.left[node] as usize, left));
+            stack.push((self.left[node] as usize + 1, right));
+        }
+        domains
+    }
+
+    /// The node id of each cell's leaf, indexed by cell id.
+    pub fn leaves(&self) -> Vec<usize> {
+        let mut leaves = vec![0; self.domains().len()];
+        for (node, &cell) in self.cell.iter().enumerate() {
+            if cell != u32::MAX {
+                leaves[cell as usize] = node;
+            }
+        }
+        leaves
+    }
+
     /// Turns the leaf `node` into a split and returns its children's node ids.
     /// The left child keeps the leaf's cell id, the right one gets `new_cell`.
     pub fn split(&mut self, node: usize, axis: usize, threshold: f32, new_cell: u32) -> [usize; 2] {
@@ -64,5 +127,37 @@ impl Tree {
         self.left[node] = left as u32;
         self.cell[node] = u32::MAX;
         [left, left + 1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng_for_tests::Lcg;
+
+    /// A random tree: every row lies in the box of the cell that the walk finds, and in no other.
+    #[test]
+    fn a_row_lies_in_its_cells_box_only() {
+        let mut random = Lcg(7);
+        let mut tree = Tree::single();
+        for cell in 1..40 {
+            let leaves = tree.leaves();
+            let leaf = leaves[random.below(leaves.len())];
+            let axis = random.below(columns::COUNT);
+            tree.split(leaf, axis, random.unit(), cell);
+        }
+        let domains = tree.domains();
+        assert_eq!((tree.cells(), domains.len()), (40, 40));
+        for _ in 0..2000 {
+            let row: [f32; columns::COUNT] = std::array::from_fn(|_| random.unit());
+            let inside: Vec<usize> = (0..40)
+                .filter(|&c| {
+                    (0..6).all(|g| {
+                        domains[c].holds(3 * g, [row[3 * g], row[3 * g + 1], row[3 * g + 2]])
+                    })
+                })
+                .collect();
+            assert_eq!(inside, [tree.find(&row) as usize]);
+        }
     }
 }
