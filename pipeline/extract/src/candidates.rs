@@ -8,6 +8,7 @@
 use crate::sobol::Sobol;
 use crate::{Census, LightBox};
 use glam::Vec3;
+use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::tree::Domain;
 use rrf_scene::{INVALID, MaterialKind, Scene};
@@ -177,20 +178,29 @@ fn hemisphere(n: Vec3, u1: f32, u2: f32) -> Vec3 {
 
 /// The first `count` accepted rows of a proposal and the census of what was left out.
 /// Stops early once `patience` candidates a row wanted have been drawn.
-pub fn accept(proposal: &Proposal, from: u32, count: usize, patience: usize) -> Accepted {
+pub fn accept(proposal: &Proposal, count: usize, patience: usize) -> Accepted {
     let mut accepted = Accepted::default();
     let limit = count.saturating_mul(patience).min(u32::MAX as usize) as u32;
-    for k in from..from.saturating_add(limit) {
-        if accepted.index.len() == count {
-            break;
+    let mut next = 0u32;
+    while accepted.index.len() < count && next < limit {
+        let end = next.saturating_add(BLOCK).min(limit);
+        let drawn: Vec<_> = (next..end).into_par_iter().map(|k| proposal.draw(k)).collect();
+        for (k, drawn) in (next..end).zip(drawn) {
+            if accepted.index.len() == count {
+                break;
+            }
+            match drawn {
+                Ok(row) => accepted.push(k, row),
+                Err(why) => accepted.census.count(why),
+            }
         }
-        match proposal.draw(k) {
-            Ok(row) => accepted.push(k, row),
-            Err(why) => accepted.census.count(why),
-        }
+        next = end;
     }
     accepted
 }
+
+/// Candidates drawn in parallel before the count is looked at.
+const BLOCK: u32 = 2048;
 
 /// Accepted rows as columns.
 #[derive(Clone, Debug, Default)]

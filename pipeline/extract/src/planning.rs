@@ -4,7 +4,7 @@ use crate::candidates::{Proposal, accept};
 use crate::config::{Census, ExtractConfig, ExtractError};
 use crate::first_tree::grow;
 use rrf_field::tree::{Domain, Tree};
-use rrf_scene::Scene;
+use rrf_scene::{MaterialKind, Scene};
 use rrf_trace::Tracer;
 use serde::{Deserialize, Serialize};
 
@@ -21,14 +21,28 @@ pub struct CellPlan {
 }
 
 /// What is to be extracted.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Which cell a row belongs to.
     pub tree: Tree,
     /// The cells, by id.
     pub cells: Vec<CellPlan>,
+    /// Which materials of the scene are Lambertian, by material id.
+    pub lambert: Vec<bool>,
     /// Candidates accepted and left out over the whole scene.
     pub census: Census,
+}
+
+impl Plan {
+    /// Whether tree and cells belong together.
+    pub fn check(&self) -> Result<(), String> {
+        self.tree.check()?;
+        if self.cells.len() != self.tree.cells() {
+            return Err(format!("{} cells, but {} leaves", self.cells.len(), self.tree.cells()));
+        }
+        let wrong = (0u32..).zip(&self.cells).find(|(id, c)| c.cell != *id || !c.measure.is_finite());
+        wrong.map_or(Ok(()), |(id, _)| Err(format!("cell {id}: id or measure is wrong")))
+    }
 }
 
 /// Stream of the candidates that the plan is made from; cells use `cell + 1`.
@@ -47,7 +61,7 @@ pub fn plan(scene: &Scene, tracer: &Tracer, config: &ExtractConfig) -> Result<Pl
     };
     let proposal = Proposal::new(scene, tracer, Domain::ALL, config.light_box, seed)
         .ok_or_else(|| nothing(Census::default()))?;
-    let drawn = accept(&proposal, 0, config.candidates as usize, PATIENCE);
+    let drawn = accept(&proposal, config.candidates as usize, PATIENCE);
     if drawn.rows.is_empty() {
         return Err(nothing(drawn.census));
     }
@@ -56,7 +70,8 @@ pub fn plan(scene: &Scene, tracer: &Tracer, config: &ExtractConfig) -> Result<Pl
     let tree = grow(&drawn.rows, diagonal, config.weights, config.cells, fewest);
     let mut counts = vec![0u64; tree.cells()];
     tree.find_all(&drawn.rows).iter().for_each(|&c| counts[c as usize] += 1);
-    Ok(Plan { cells: share_out(&counts, config), tree, census: drawn.census })
+    let lambert = scene.materials.iter().map(|m| m.kind == MaterialKind::Lambert).collect();
+    Ok(Plan { cells: share_out(&counts, config), tree, lambert, census: drawn.census })
 }
 
 /// Rows go with the square root of a cell's measure: a small cell's net needs as many rows

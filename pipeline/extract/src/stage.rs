@@ -7,7 +7,7 @@ use glam::Vec3;
 use rrf_field::columns;
 use rrf_field::tree::Domain;
 use rrf_scene::Scene;
-use rrf_store::SampleTable;
+use rrf_store::samples::SampleTable;
 use rrf_trace::{Queries, Stream, Tracer, indirect};
 
 /// Stage number of extraction in every [`Stream`].
@@ -36,9 +36,10 @@ pub fn extract_cell(
 ) -> Result<ExtractedCell, ExtractError> {
     let seed = cell_seed(config.seed, u64::from(plan.cell) + FIRST_CELL_STREAM);
     let accepted = Proposal::new(scene, tracer, domain, config.light_box, seed)
-        .map(|proposal| accept(&proposal, 0, plan.rows as usize, PATIENCE))
+        .map(|proposal| accept(&proposal, plan.rows as usize, PATIENCE))
         .unwrap_or_default();
     let halves = trace_halves(tracer, &accepted, plan.cell, config)?;
+    let rows = accepted.index.len();
     Ok(ExtractedCell {
         census: accepted.census,
         table: SampleTable {
@@ -47,7 +48,7 @@ pub fn extract_cell(
             columns: accepted.rows,
             material: accepted.material,
             halves,
-            paths: config.paths,
+            paths: vec![config.paths; rows],
         },
     })
 }

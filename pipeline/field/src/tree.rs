@@ -7,7 +7,7 @@ pub const LEAF: i8 = -1;
 
 /// A binary tree in flat columns, root at 0. A row goes left where
 /// `row[axis] < threshold`, otherwise right.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tree {
     /// Raw column that the node splits, or [`LEAF`].
     pub axis: Vec<i8>,
@@ -40,12 +40,9 @@ impl Domain {
         maximum: [f32::NEG_INFINITY; columns::COUNT],
     };
 
-    /// Whether the three columns from `first` on hold a point of the box.
-    pub fn holds(&self, first: usize, point: [f32; 3]) -> bool {
-        point
-            .iter()
-            .enumerate()
-            .all(|(i, &x)| self.minimum[first + i] <= x && x < self.maximum[first + i])
+    /// Whether a whole row lies in the box.
+    pub fn contains(&self, row: &[f32; columns::COUNT]) -> bool {
+        (0..columns::COUNT).all(|i| self.minimum[i] <= row[i] && row[i] < self.maximum[i])
     }
 }
 
@@ -57,6 +54,40 @@ impl Tree {
             threshold: vec![0.0],
             left: vec![0],
             cell: vec![0],
+        }
+    }
+
+    /// Whether the columns make one tree: equal lengths, axes that exist, children after their
+    /// parent and each reached once, finite thresholds, cells numbered 0 to n - 1.
+    pub fn check(&self) -> Result<(), String> {
+        let n = self.axis.len();
+        if n == 0 || [self.threshold.len(), self.left.len(), self.cell.len()] != [n; 3] {
+            return Err("columns of no or of different length".into());
+        }
+        let mut reached = vec![false; n];
+        reached[0] = true;
+        let mut cells = Vec::new();
+        for node in 0..n {
+            let (axis, left) = (self.axis[node], self.left[node] as usize);
+            if !reached[node] {
+                return Err(format!("node {node} is no earlier node's child"));
+            }
+            if axis == LEAF {
+                cells.push(self.cell[node]);
+                continue;
+            }
+            if axis < 0 || axis as usize >= columns::COUNT || !self.threshold[node].is_finite() {
+                return Err(format!("node {node}: axis {axis}, threshold {}", self.threshold[node]));
+            }
+            if left <= node || left + 1 >= n || reached[left] || reached[left + 1] {
+                return Err(format!("node {node}: left child {left} of {n} nodes"));
+            }
+            (reached[left], reached[left + 1]) = (true, true);
+        }
+        cells.sort_unstable();
+        match (0u32..).zip(&cells).find(|(expected, cell)| expected != *cell) {
+            Some((expected, _)) => Err(format!("no leaf is cell {expected}")),
+            None => Ok(()),
         }
     }
 
@@ -150,13 +181,7 @@ mod tests {
         assert_eq!((tree.cells(), domains.len()), (40, 40));
         for _ in 0..2000 {
             let row: [f32; columns::COUNT] = std::array::from_fn(|_| random.unit());
-            let inside: Vec<usize> = (0..40)
-                .filter(|&c| {
-                    (0..6).all(|g| {
-                        domains[c].holds(3 * g, [row[3 * g], row[3 * g + 1], row[3 * g + 2]])
-                    })
-                })
-                .collect();
+            let inside: Vec<usize> = (0..40).filter(|&c| domains[c].contains(&row)).collect();
             assert_eq!(inside, [tree.find(&row) as usize]);
         }
     }
