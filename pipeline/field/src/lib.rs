@@ -7,26 +7,19 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod columns;
+mod derived;
+mod error;
+mod evaluate;
+mod kernel;
+mod lights;
 pub mod model;
 pub mod net;
+mod packed;
+mod tanh;
 pub mod tree;
+mod walk;
 
-#[cfg(test)]
-mod rng_for_tests {
-    /// A small generator for tests (Knuth's MMIX constants).
-    pub struct Lcg(pub u64);
-
-    impl Lcg {
-        pub fn unit(&mut self) -> f32 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 40) as f32 / 16_777_216.0
-        }
-
-        pub fn below(&mut self, n: usize) -> usize {
-            ((self.unit() * n as f32) as usize).min(n - 1)
-        }
-    }
-}
+pub use error::FieldError;
+pub use evaluate::Field;
+pub use lights::Light;
+pub use tanh::TANH_ERROR;
