@@ -6,9 +6,13 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod error;
+mod load;
+mod options;
 mod scene;
 
 pub use error::SceneError;
+pub use load::load;
+pub use options::{LightUnits, LoadOptions};
 pub use scene::{
     AreaLight, Camera, INVALID, Material, MaterialKind, PointLight, Scene, Texture, Warning,
 };
