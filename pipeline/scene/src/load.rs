@@ -11,11 +11,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let ending = path
         .extension()
         .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    let _ = options;
     match ending.as_deref() {
         // "pbrt" => pbrt::read(path, options)?,
-        // "gltf" | "glb" => gltf::read(path, options)?,
         // "obj" => obj::read(path, options)?,
+        Some("gltf" | "glb") => crate::gltf::read(path, options),
         _ => Err(SceneError::UnknownFormat {
             path: path.to_path_buf(),
         }),
