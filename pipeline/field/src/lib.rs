@@ -9,4 +9,5 @@
 pub mod columns;
 pub mod model;
 pub mod net;
+pub mod rng;
 pub mod tree;
