@@ -15,6 +15,7 @@ mod lights;
 pub mod model;
 pub mod net;
 mod packed;
+pub mod rng;
 mod tanh;
 pub mod tree;
 mod walk;

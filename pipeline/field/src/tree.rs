@@ -164,23 +164,23 @@ impl Tree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rng_for_tests::Lcg;
+    use crate::rng::{Stage, Stream};
 
     /// A random tree: every row lies in the box of the cell that the walk finds, and in no other.
     #[test]
     fn a_row_lies_in_its_cells_box_only() {
-        let mut random = Lcg(7);
+        let mut random = Stream::new(7, Stage::Test, 0).walk(0);
         let mut tree = Tree::single();
         for cell in 1..40 {
             let leaves = tree.leaves();
-            let leaf = leaves[random.below(leaves.len())];
-            let axis = random.below(columns::COUNT);
-            tree.split(leaf, axis, random.unit(), cell);
+            let leaf = leaves[random.next_u32() as usize % leaves.len()];
+            let axis = random.next_u32() as usize % columns::COUNT;
+            tree.split(leaf, axis, random.next_f32(), cell);
         }
         let domains = tree.domains();
         assert_eq!((tree.cells(), domains.len()), (40, 40));
         for _ in 0..2000 {
-            let row: [f32; columns::COUNT] = std::array::from_fn(|_| random.unit());
+            let row: [f32; columns::COUNT] = std::array::from_fn(|_| random.next_f32());
             let inside: Vec<usize> = (0..40).filter(|&c| domains[c].contains(&row)).collect();
             assert_eq!(inside, [tree.find(&row) as usize]);
         }
