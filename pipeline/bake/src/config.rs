@@ -57,12 +57,18 @@ impl BakeConfig {
                 paths,
                 weights: Weights::default(),
             },
-            train: TrainConfig { seed, ..TrainConfig::default() },
+            train: TrainConfig {
+                seed,
+                ..TrainConfig::default()
+            },
         }
     }
 
     /// How the scene file is read.
     pub fn load_options(&self) -> LoadOptions {
-        LoadOptions { default_albedo: self.default_albedo, light_units: self.light_units }
+        LoadOptions {
+            default_albedo: self.default_albedo,
+            light_units: self.light_units,
+        }
     }
 }

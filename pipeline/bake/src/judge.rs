@@ -50,8 +50,15 @@ fn whole(plan: &Plan, metrics: &[CellMetrics]) -> Judgement {
         })
         .collect();
     let judged: f64 = cells.iter().map(|c| c.measure).sum();
-    let square = cells.iter().map(|c| c.measure * c.square_error).sum::<f64>() / judged;
-    let variance: f64 = cells.iter().map(|c| (c.measure * c.square_error_se / judged).powi(2)).sum();
+    let square = cells
+        .iter()
+        .map(|c| c.measure * c.square_error)
+        .sum::<f64>()
+        / judged;
+    let variance: f64 = cells
+        .iter()
+        .map(|c| (c.measure * c.square_error_se / judged).powi(2))
+        .sum();
     let relative_error = square.max(0.0).sqrt();
     // d sqrt(x) = dx / (2 sqrt(x)); at zero the square's own error bounds it
     let relative_error_se = if relative_error > 0.0 {
@@ -59,5 +66,9 @@ fn whole(plan: &Plan, metrics: &[CellMetrics]) -> Judgement {
     } else {
         variance.sqrt().sqrt()
     };
-    Judgement { relative_error, relative_error_se, cells }
+    Judgement {
+        relative_error,
+        relative_error_se,
+        cells,
+    }
 }

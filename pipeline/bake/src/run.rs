@@ -2,8 +2,8 @@
 
 use crate::config::BakeConfig;
 use crate::error::BakeError;
-use rrf_scene::Scene;
 use rrf_extract::Plan;
+use rrf_scene::Scene;
 use rrf_store::StoreError;
 use rrf_store::atomic::atomic_write;
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
@@ -36,21 +36,32 @@ impl Run {
         let manifest = manifest(scene, config)?;
         if RunManifest::path(folder).exists() {
             if !resume {
-                return Err(BakeError::Exists { path: folder.into() });
+                return Err(BakeError::Exists {
+                    path: folder.into(),
+                });
             }
             let found = Run::open(folder)?;
             found.expect_same(&manifest)?;
             return Ok(found);
         }
         manifest.write(folder)?;
-        Ok(Run { folder: folder.into(), manifest, config: config.clone() })
+        Ok(Run {
+            folder: folder.into(),
+            manifest,
+            config: config.clone(),
+        })
     }
 
     /// Opens a run that exists.
     pub fn open(folder: &Path) -> Result<Run, BakeError> {
         let manifest = RunManifest::read(folder)?;
-        let config = serde_json::from_value(manifest.config.clone()).map_err(|error| corrupt(&RunManifest::path(folder), error.to_string()))?;
-        Ok(Run { folder: folder.into(), manifest, config })
+        let config = serde_json::from_value(manifest.config.clone())
+            .map_err(|error| corrupt(&RunManifest::path(folder), error.to_string()))?;
+        Ok(Run {
+            folder: folder.into(),
+            manifest,
+            config,
+        })
     }
 
     /// The scene of the run, read again and checked against the run's hash.
@@ -74,17 +85,27 @@ impl Run {
         let text = match std::fs::read(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(source) => return Err(StoreError::Io { path, action: "read", source }.into()),
+            Err(source) => {
+                return Err(StoreError::Io {
+                    path,
+                    action: "read",
+                    source,
+                }
+                .into());
+            }
         };
-        let plan: Plan = serde_json::from_slice(&text)
-            .map_err(|error| corrupt(&path, error.to_string()))?;
+        let plan: Plan =
+            serde_json::from_slice(&text).map_err(|error| corrupt(&path, error.to_string()))?;
         plan.check().map_err(|reason| corrupt(&path, reason))?;
         Ok(Some(plan))
     }
 
     /// The plan of a run that has been extracted.
     pub fn plan(&self) -> Result<Plan, BakeError> {
-        let missing = || BakeError::NotExtracted { path: self.folder.clone(), cell: 0 };
+        let missing = || BakeError::NotExtracted {
+            path: self.folder.clone(),
+            cell: 0,
+        };
         self.read_plan()?.ok_or_else(missing)
     }
 
@@ -108,7 +129,12 @@ impl Run {
 
     fn expect_same(&self, asked: &RunManifest) -> Result<(), BakeError> {
         let differ = |what, found: String, asked: String| {
-            Err(BakeError::OtherRun { path: self.folder.clone(), what, found, asked })
+            Err(BakeError::OtherRun {
+                path: self.folder.clone(),
+                what,
+                found,
+                asked,
+            })
         };
         let found = &self.manifest;
         if found.scene_hash != asked.scene_hash {
@@ -118,7 +144,11 @@ impl Run {
             return differ("seed", found.seed.to_string(), asked.seed.to_string());
         }
         if found.config != asked.config {
-            return differ("configuration", found.config.to_string(), asked.config.to_string());
+            return differ(
+                "configuration",
+                found.config.to_string(),
+                asked.config.to_string(),
+            );
         }
         Ok(())
     }
@@ -138,7 +168,8 @@ fn manifest(scene: &Scene, config: &BakeConfig) -> Result<RunManifest, BakeError
     let (low, high) = (light_box.minimum, light_box.maximum);
     let seed = config.extract.seed;
     let source = std::path::absolute(&scene.source).unwrap_or_else(|_| scene.source.clone());
-    let config = serde_json::to_value(config).map_err(|error| corrupt(Path::new("run.json"), error.to_string()))?;
+    let config = serde_json::to_value(config)
+        .map_err(|error| corrupt(Path::new("run.json"), error.to_string()))?;
     Ok(RunManifest {
         format: FORMAT,
         created_by: format!("rrf {}", env!("CARGO_PKG_VERSION")),

@@ -22,10 +22,15 @@ mod tests {
     fn three_in_ten_whatever_the_index() {
         const N: u64 = 160_000;
         let mut held = [0u64; 16];
-        (0..N).filter(|&i| is_held_out(1, 5, i)).for_each(|i| held[(i % 16) as usize] += 1);
+        (0..N)
+            .filter(|&i| is_held_out(1, 5, i))
+            .for_each(|i| held[(i % 16) as usize] += 1);
         let per_class = N as f64 / 16.0;
         let variance = per_class * 0.3 * 0.7;
-        let chi2: f64 = held.iter().map(|&h| (h as f64 - 0.3 * per_class).powi(2) / variance).sum();
+        let chi2: f64 = held
+            .iter()
+            .map(|&h| (h as f64 - 0.3 * per_class).powi(2) / variance)
+            .sum();
         assert!(chi2 < 53.1, "chi2 = {chi2}, {held:?}");
     }
 }

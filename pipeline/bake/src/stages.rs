@@ -2,9 +2,9 @@
 
 use crate::error::BakeError;
 use crate::run::Run;
+use crate::split::is_held_out;
 use rayon::prelude::*;
 use rrf_extract::{CellPlan, Plan, extract_cell};
-use crate::split::is_held_out;
 use rrf_field::columns::{self, Columns};
 use rrf_field::model::CellModel;
 use rrf_field::tree;
@@ -62,13 +62,18 @@ pub fn extract(
 }
 
 fn chosen(plan: &Plan, only: Option<&[u32]>) -> Result<Vec<CellPlan>, BakeError> {
-    let Some(only) = only else { return Ok(plan.cells.clone()) };
+    let Some(only) = only else {
+        return Ok(plan.cells.clone());
+    };
     only.iter()
         .map(|&cell| {
-            plan.cells.get(cell as usize).copied().ok_or(BakeError::NoSuchCell {
-                cell,
-                last: plan.cells.len().saturating_sub(1) as u32,
-            })
+            plan.cells
+                .get(cell as usize)
+                .copied()
+                .ok_or(BakeError::NoSuchCell {
+                    cell,
+                    last: plan.cells.len().saturating_sub(1) as u32,
+                })
         })
         .collect()
 }
@@ -113,22 +118,41 @@ pub fn train(run: &Run, plan: &Plan, watch: &dyn Watch) -> Result<(), BakeError>
 
 fn read_cell(run: &Run, cell: u32) -> Result<SampleTable, BakeError> {
     if list_parts(&run.folder, cell)?.is_empty() {
-        return Err(BakeError::NotExtracted { path: run.folder.clone(), cell });
+        return Err(BakeError::NotExtracted {
+            path: run.folder.clone(),
+            cell,
+        });
     }
     Ok(parts::read_cell(&run.folder, cell, &run.facts())?.table)
 }
 
 /// One cell's fit; rows are held out by a hash of their index.
-fn fit_one(table: &SampleTable, lambert: &[bool], config: &TrainConfig) -> Result<CellFit, BakeError> {
-    let held_out: Vec<bool> =
-        table.index.iter().map(|&index| is_held_out(config.seed, table.cell_id, index)).collect();
+fn fit_one(
+    table: &SampleTable,
+    lambert: &[bool],
+    config: &TrainConfig,
+) -> Result<CellFit, BakeError> {
+    let held_out: Vec<bool> = table
+        .index
+        .iter()
+        .map(|&index| is_held_out(config.seed, table.cell_id, index))
+        .collect();
     let all_lambert = table
         .material
         .iter()
         .all(|&m| lambert.get(m as usize).copied().unwrap_or(false));
-    let config = TrainConfig { divide_base: all_lambert, ..config.clone() };
+    let config = TrainConfig {
+        divide_base: all_lambert,
+        ..config.clone()
+    };
     let halves = [table.halves[0].as_slice(), table.halves[1].as_slice()];
-    Ok(fit_cell(table.cell_id, &table.columns, halves, &held_out, &config)?)
+    Ok(fit_cell(
+        table.cell_id,
+        &table.columns,
+        halves,
+        &held_out,
+        &config,
+    )?)
 }
 
 fn write_model(
@@ -142,8 +166,11 @@ fn write_model(
     for (node, cell) in tree.leaves().collect::<Vec<_>>() {
         tree.domains[node] = tables.get(cell as usize).and_then(|t| span(&t.columns));
     }
-    let (models, metrics): (Vec<CellModel>, Vec<CellMetrics>) =
-        fits.into_iter().zip(tables).map(|(fit, table)| (fit.model, metrics(&fit.metrics, table))).unzip();
+    let (models, metrics): (Vec<CellModel>, Vec<CellMetrics>) = fits
+        .into_iter()
+        .zip(tables)
+        .map(|(fit, table)| (fit.model, metrics(&fit.metrics, table)))
+        .unzip();
     model::write_tree(&run.folder, &tree, &facts)?;
     model::write_weights(&run.folder, &models, &facts)?;
     model::write_metrics(&run.folder, &metrics, &facts)?;
@@ -153,16 +180,25 @@ fn write_model(
 /// The box that rows span, or none without rows.
 fn span(rows: &Columns) -> Option<Domain> {
     let bound = |pick: fn(f32, f32) -> f32| -> Option<[f32; columns::COUNT]> {
-        let bounds: Vec<f32> =
-            rows.columns.iter().filter_map(|c| c.iter().copied().reduce(pick)).collect();
+        let bounds: Vec<f32> = rows
+            .columns
+            .iter()
+            .filter_map(|c| c.iter().copied().reduce(pick))
+            .collect();
         bounds.try_into().ok()
     };
-    Some(Domain { min: bound(f32::min)?, max: bound(f32::max)? })
+    Some(Domain {
+        min: bound(f32::min)?,
+        max: bound(f32::max)?,
+    })
 }
 
 fn metrics(fit: &rrf_train::CellMetrics, table: &SampleTable) -> CellMetrics {
     let error = |e: &ErrorEstimate| {
-        (e.rows > 0).then_some(SquareError { mean: e.square, se: e.square_se })
+        (e.rows > 0).then_some(SquareError {
+            mean: e.square,
+            se: e.square_se,
+        })
     };
     CellMetrics {
         cell_id: fit.cell,

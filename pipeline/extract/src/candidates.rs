@@ -62,8 +62,9 @@ impl<'a> Proposal<'a> {
         seed: u64,
     ) -> Option<Proposal<'a>> {
         let light = light_box.within(&domain)?;
-        let triangles: Vec<u32> =
-            (0..scene.triangles.len() as u32).filter(|&t| reaches(scene, t, &domain)).collect();
+        let triangles: Vec<u32> = (0..scene.triangles.len() as u32)
+            .filter(|&t| reaches(scene, t, &domain))
+            .collect();
         let mut sum = 0.0;
         let area: Vec<f64> = triangles
             .iter()
@@ -92,7 +93,11 @@ impl<'a> Proposal<'a> {
     pub fn draw(&self, k: u32) -> Result<Row, Rejection> {
         let u = self.sobol.point(k);
         let surface = self.surface(u);
-        let side = if u[3] < 0.5 { surface.normal } else { -surface.normal };
+        let side = if u[3] < 0.5 {
+            surface.normal
+        } else {
+            -surface.normal
+        };
         let light = self.light.at([u[6], u[7], u[8]]);
         let view = hemisphere(side, u[4], u[5]);
         let normal = self.tracer.frame_at(&surface, view).z;
@@ -121,14 +126,21 @@ impl<'a> Proposal<'a> {
             Outlook::Open => {}
         }
         let material = self.scene.triangle_material[surface.triangle as usize];
-        Ok(Row { raw, surface, material })
+        Ok(Row {
+            raw,
+            surface,
+            material,
+        })
     }
 
     /// A point uniform over the area.
     fn surface(&self, u: [f32; crate::sobol::DIMENSIONS]) -> SurfacePoint {
         let total = self.area[self.area.len() - 1];
         let at = f64::from(u[0]) * total;
-        let place = self.area.partition_point(|&sum| sum <= at).min(self.area.len() - 1);
+        let place = self
+            .area
+            .partition_point(|&sum| sum <= at)
+            .min(self.area.len() - 1);
         // square to triangle (Heitz 2019): keeps the stratification of the square
         let (a, b) = (u[1], u[2]);
         let (b0, b1) = if b > a {
@@ -151,17 +163,24 @@ fn reaches(scene: &Scene, triangle: u32, domain: &Domain) -> bool {
     });
     let material = &scene.materials[scene.triangle_material[triangle as usize] as usize];
     let bent = material.normal_texture != INVALID
-        || ids.iter().any(|&v| scene.normals[v as usize] != scene.normals[ids[0] as usize]);
+        || ids
+            .iter()
+            .any(|&v| scene.normals[v as usize] != scene.normals[ids[0] as usize]);
     if !overlaps || bent {
         return overlaps;
     }
     let own = scene.normals[ids[0] as usize];
     let flat = (p[1] - p[0]).cross(p[2] - p[0]).normalize_or_zero();
-    let n = if own == Vec3::ZERO { flat } else { own.normalize_or_zero() };
+    let n = if own == Vec3::ZERO {
+        flat
+    } else {
+        own.normalize_or_zero()
+    };
     [n, -n].iter().any(|n| {
         // a rounding of the normal must not lose a triangle
         (0..3).all(|i| {
-            n[i] + 1e-5 >= domain.minimum[columns::N + i] && n[i] - 1e-5 < domain.maximum[columns::N + i]
+            n[i] + 1e-5 >= domain.minimum[columns::N + i]
+                && n[i] - 1e-5 < domain.maximum[columns::N + i]
         })
     })
 }
@@ -184,7 +203,10 @@ pub fn accept(proposal: &Proposal, count: usize, patience: usize) -> Accepted {
     let mut next = 0u32;
     while accepted.index.len() < count && next < limit {
         let end = next.saturating_add(BLOCK).min(limit);
-        let drawn: Vec<_> = (next..end).into_par_iter().map(|k| proposal.draw(k)).collect();
+        let drawn: Vec<_> = (next..end)
+            .into_par_iter()
+            .map(|k| proposal.draw(k))
+            .collect();
         for (k, drawn) in (next..end).zip(drawn) {
             if accepted.index.len() == count {
                 break;

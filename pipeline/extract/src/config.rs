@@ -30,11 +30,11 @@ impl LightBox {
 
     /// The part of the box inside a cell's domain, or none.
     pub fn within(&self, domain: &Domain) -> Option<LightBox> {
-        let minimum =
-            std::array::from_fn(|i| self.minimum[i].max(domain.minimum[columns::L + i]));
-        let maximum =
-            std::array::from_fn(|i| self.maximum[i].min(domain.maximum[columns::L + i]));
-        (0..3).all(|i| minimum[i] <= maximum[i]).then_some(LightBox { minimum, maximum })
+        let minimum = std::array::from_fn(|i| self.minimum[i].max(domain.minimum[columns::L + i]));
+        let maximum = std::array::from_fn(|i| self.maximum[i].min(domain.maximum[columns::L + i]));
+        (0..3)
+            .all(|i| minimum[i] <= maximum[i])
+            .then_some(LightBox { minimum, maximum })
     }
 
     /// Volume; an extent of zero (a line or a point of lights) counts as one.
@@ -118,7 +118,9 @@ pub enum ExtractError {
         message: String,
     },
     /// No surface point is fit to learn from.
-    #[error("no usable row among {drawn} candidates ({census:?}): check the light box and that the surfaces face the room")]
+    #[error(
+        "no usable row among {drawn} candidates ({census:?}): check the light box and that the surfaces face the room"
+    )]
     NoRow {
         /// Candidates drawn.
         drawn: u64,
@@ -144,7 +146,10 @@ impl ExtractConfig {
     /// Checks the settings against each other and the scene's bounds.
     pub fn validate(&self, bounds: (Vec3, Vec3)) -> Result<(), ExtractError> {
         let bad = |message: String| {
-            Err(ExtractError::LightBox { light_box: self.light_box, message })
+            Err(ExtractError::LightBox {
+                light_box: self.light_box,
+                message,
+            })
         };
         let (low, high) = (self.light_box.minimum, self.light_box.maximum);
         if low.iter().chain(&high).any(|x| !x.is_finite()) {

@@ -20,7 +20,11 @@ pub struct Weights {
 
 impl Default for Weights {
     fn default() -> Weights {
-        Weights { point: 1.0, normal: 2.0, light: 1.0 }
+        Weights {
+            point: 1.0,
+            normal: 2.0,
+            light: 1.0,
+        }
     }
 }
 
@@ -57,17 +61,29 @@ pub fn grow(rows: &Columns, diagonal: f32, weights: Weights, cells: u32, fewest:
     let mut tree = Tree::single();
     let all: Vec<u32> = (0..rows.len() as u32).collect();
     let split = best_split(&features, rows, &all, fewest);
-    let mut leaves = vec![Leaf { node: 0, rows: all, split }];
+    let mut leaves = vec![Leaf {
+        node: 0,
+        rows: all,
+        split,
+    }];
     for cell in 1..cells {
-        let Some((place, split)) = best_leaf(&leaves) else { break };
+        let Some((place, split)) = best_leaf(&leaves) else {
+            break;
+        };
         let leaf = leaves.swap_remove(place);
         let column = &rows.columns[COLUMN[split.axis]];
-        let (right, left): (Vec<u32>, Vec<u32>) =
-            leaf.rows.iter().partition(|&&r| column[r as usize] >= split.threshold);
+        let (right, left): (Vec<u32>, Vec<u32>) = leaf
+            .rows
+            .iter()
+            .partition(|&&r| column[r as usize] >= split.threshold);
         let nodes = tree.split(leaf.node, COLUMN[split.axis], split.threshold, cell);
         for (node, rows_of) in nodes.into_iter().zip([left, right]) {
             let split = best_split(&features, rows, &rows_of, fewest);
-            leaves.push(Leaf { node, rows: rows_of, split });
+            leaves.push(Leaf {
+                node,
+                rows: rows_of,
+                split,
+            });
         }
     }
     tree
@@ -100,7 +116,12 @@ fn features(rows: &Columns, diagonal: f32, weights: Weights) -> [Vec<f32>; AXES]
 }
 
 /// The split of `of` that removes most scatter, or none where no split keeps `fewest` rows.
-fn best_split(features: &[Vec<f32>; AXES], rows: &Columns, of: &[u32], fewest: usize) -> Option<Split> {
+fn best_split(
+    features: &[Vec<f32>; AXES],
+    rows: &Columns,
+    of: &[u32],
+    fewest: usize,
+) -> Option<Split> {
     let fewest = fewest.max(1);
     if of.len() < 2 * fewest {
         return None;
@@ -109,7 +130,11 @@ fn best_split(features: &[Vec<f32>; AXES], rows: &Columns, of: &[u32], fewest: u
     for axis in 0..AXES {
         let column = &rows.columns[COLUMN[axis]];
         let mut order = of.to_vec();
-        order.sort_by(|&a, &b| column[a as usize].total_cmp(&column[b as usize]).then(a.cmp(&b)));
+        order.sort_by(|&a, &b| {
+            column[a as usize]
+                .total_cmp(&column[b as usize])
+                .then(a.cmp(&b))
+        });
         if let Some(split) = best_place(features, column, &order, axis, fewest)
             && best.is_none_or(|b| split.gain > b.gain)
         {
@@ -127,8 +152,12 @@ fn best_place(
     axis: usize,
     fewest: usize,
 ) -> Option<Split> {
-    let total: [f64; AXES] =
-        std::array::from_fn(|a| order.iter().map(|&r| f64::from(features[a][r as usize])).sum());
+    let total: [f64; AXES] = std::array::from_fn(|a| {
+        order
+            .iter()
+            .map(|&r| f64::from(features[a][r as usize]))
+            .sum()
+    });
     let mut left = [0.0f64; AXES];
     let n = order.len() as f64;
     let mut best: Option<Split> = None;
@@ -149,7 +178,11 @@ fn best_place(
         let gain = nl * nr / n * gap;
         // below this the columns differ by rounding alone
         if gain > 1e-9 * n && best.is_none_or(|b| gain > b.gain) {
-            best = Some(Split { axis, threshold, gain });
+            best = Some(Split {
+                axis,
+                threshold,
+                gain,
+            });
         }
     }
     best
@@ -184,7 +217,10 @@ mod tests {
     fn degenerate_rows_stop_the_growth() {
         let same = rows(100, |_| [0.5; columns::COUNT]);
         assert_eq!(grow(&same, 1.0, Weights::default(), 8, 1).cells(), 1);
-        assert_eq!(grow(&Columns::default(), 1.0, Weights::default(), 8, 1).cells(), 1);
+        assert_eq!(
+            grow(&Columns::default(), 1.0, Weights::default(), 8, 1).cells(),
+            1
+        );
         let line = rows(100, |i| {
             let mut r = [0.0; columns::COUNT];
             r[columns::L] = i as f32;
@@ -192,7 +228,9 @@ mod tests {
         });
         let tree = grow(&line, 100.0, Weights::default(), 64, 12);
         let mut count = vec![0; tree.cells()];
-        tree.find_all(&line).iter().for_each(|&c| count[c as usize] += 1);
+        tree.find_all(&line)
+            .iter()
+            .for_each(|&c| count[c as usize] += 1);
         assert!(count.iter().all(|&c| c >= 12), "{count:?}");
         assert!(count.len() >= 4);
     }

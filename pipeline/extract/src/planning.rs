@@ -38,10 +38,18 @@ impl Plan {
     pub fn check(&self) -> Result<(), String> {
         self.tree.check()?;
         if self.cells.len() != self.tree.cells() {
-            return Err(format!("{} cells, but {} leaves", self.cells.len(), self.tree.cells()));
+            return Err(format!(
+                "{} cells, but {} leaves",
+                self.cells.len(),
+                self.tree.cells()
+            ));
         }
-        let wrong = (0u32..).zip(&self.cells).find(|(id, c)| c.cell != *id || !c.measure.is_finite());
-        wrong.map_or(Ok(()), |(id, _)| Err(format!("cell {id}: id or measure is wrong")))
+        let wrong = (0u32..)
+            .zip(&self.cells)
+            .find(|(id, c)| c.cell != *id || !c.measure.is_finite());
+        wrong.map_or(Ok(()), |(id, _)| {
+            Err(format!("cell {id}: id or measure is wrong"))
+        })
     }
 }
 
@@ -69,9 +77,20 @@ pub fn plan(scene: &Scene, tracer: &Tracer, config: &ExtractConfig) -> Result<Pl
     let fewest = (drawn.rows.len() / (config.cells as usize * 16)).max(8);
     let tree = grow(&drawn.rows, diagonal, config.weights, config.cells, fewest);
     let mut counts = vec![0u64; tree.cells()];
-    tree.find_all(&drawn.rows).iter().for_each(|&c| counts[c as usize] += 1);
-    let lambert = scene.materials.iter().map(|m| m.kind == MaterialKind::Lambert).collect();
-    Ok(Plan { cells: share_out(&counts, config), tree, lambert, census: drawn.census })
+    tree.find_all(&drawn.rows)
+        .iter()
+        .for_each(|&c| counts[c as usize] += 1);
+    let lambert = scene
+        .materials
+        .iter()
+        .map(|m| m.kind == MaterialKind::Lambert)
+        .collect();
+    Ok(Plan {
+        cells: share_out(&counts, config),
+        tree,
+        lambert,
+        census: drawn.census,
+    })
 }
 
 /// Rows go with the square root of a cell's measure: a small cell's net needs as many rows

@@ -61,12 +61,22 @@ fn trace_halves(
     config: &ExtractConfig,
 ) -> Result<[Vec<[f32; 3]>; 2], ExtractError> {
     let column = |first| -> Vec<Vec3> {
-        (0..accepted.rows.len()).map(|r| accepted.rows.vec3(first, r).into()).collect()
+        (0..accepted.rows.len())
+            .map(|r| accepted.rows.vec3(first, r).into())
+            .collect()
     };
     let (viewers, lights) = (column(columns::V), column(columns::L));
-    let queries = Queries { points: &accepted.surface, viewers: &viewers, lights: &lights };
+    let queries = Queries {
+        points: &accepted.surface,
+        viewers: &viewers,
+        lights: &lights,
+    };
     let stream = Stream::new(config.seed, STAGE, cell);
     let estimates = indirect(tracer, queries, config.paths, 2, stream, 0)?;
-    let half = |h: usize| (0..estimates.len()).map(|q| estimates.halves(q)[h].to_array()).collect();
+    let half = |h: usize| {
+        (0..estimates.len())
+            .map(|q| estimates.halves(q)[h].to_array())
+            .collect()
+    };
     Ok([half(0), half(1)])
 }

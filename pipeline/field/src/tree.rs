@@ -77,7 +77,10 @@ impl Tree {
                 continue;
             }
             if axis < 0 || axis as usize >= columns::COUNT || !self.threshold[node].is_finite() {
-                return Err(format!("node {node}: axis {axis}, threshold {}", self.threshold[node]));
+                return Err(format!(
+                    "node {node}: axis {axis}, threshold {}",
+                    self.threshold[node]
+                ));
             }
             if left <= node || left + 1 >= n || reached[left] || reached[left + 1] {
                 return Err(format!("node {node}: left child {left} of {n} nodes"));
@@ -85,7 +88,10 @@ impl Tree {
             (reached[left], reached[left + 1]) = (true, true);
         }
         cells.sort_unstable();
-        match (0u32..).zip(&cells).find(|(expected, cell)| expected != *cell) {
+        match (0u32..)
+            .zip(&cells)
+            .find(|(expected, cell)| expected != *cell)
+        {
             Some((expected, _)) => Err(format!("no leaf is cell {expected}")),
             None => Ok(()),
         }
