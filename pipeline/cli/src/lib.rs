@@ -1,8 +1,50 @@
-//! The command line.
+//! The command line: what was typed is parsed once, handed to the stages, and their results
+//! are printed. One module a subcommand.
 
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+mod args;
+mod bake;
+mod compare;
+mod doctor;
+mod failure;
+mod pictures;
+mod progress;
+mod query;
+mod render;
+mod scene;
+mod trace;
+mod view;
+
+use args::{Cli, Command};
+use clap::Parser;
 use std::process::ExitCode;
 
 /// Runs the command line and returns its exit code.
 pub fn main() -> ExitCode {
-    ExitCode::SUCCESS
+    let cli = Cli::parse();
+    match run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("rrf: {error:#}");
+            ExitCode::from(failure::exit_code(&error))
+        }
+    }
+}
+
+fn run(cli: &Cli) -> anyhow::Result<()> {
+    if let Some(threads) = cli.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build_global()?;
+    }
+    match &cli.command {
+        Command::Bake(args) => bake::bake(args, cli.quiet),
+        Command::Extract(args) => bake::extract(args, cli.quiet),
+        Command::Train(args) => bake::train(args, cli.quiet),
+        Command::Render(args) => render::run(args),
+        Command::Trace(args) => trace::run(args, cli.quiet),
+        Command::Query(args) => query::run(args),
+        Command::Compare(args) => compare::run(args),
+        Command::Scene(args) => scene::run(args),
+        Command::Doctor(_) => doctor::run(),
+    }
 }

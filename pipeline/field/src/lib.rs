@@ -7,6 +7,20 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod columns;
+mod derived;
+mod error;
+mod evaluate;
+mod kernel;
+mod lights;
 pub mod model;
 pub mod net;
+mod packed;
+pub mod rng;
+mod tanh;
 pub mod tree;
+mod walk;
+
+pub use error::FieldError;
+pub use evaluate::Field;
+pub use lights::Light;
+pub use tanh::TANH_ERROR;

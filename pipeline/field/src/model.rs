@@ -1,13 +1,14 @@
 //! A cell's model: which inputs it reads, how they are scaled, its net, how the output is scaled.
 
 use crate::columns::{self, Columns};
+use crate::derived;
 use crate::net::Shape;
 
 /// What a net can read. The first [`columns::COUNT`] are the raw columns in their order;
 /// the rest are computed from them.
 ///
-/// Add an input: append a name here and its formula in [`fill`].
-pub const INPUTS: [&str; 25] = [
+/// Add an input: append a name here and its formula in [`derived::derive`].
+pub const INPUTS: [&str; columns::COUNT + derived::DERIVED] = [
     "px",
     "py",
     "pz",
@@ -65,48 +66,75 @@ pub struct CellModel {
 }
 
 /// Computes input `input` (a place in [`INPUTS`]) for all rows into `out`.
+/// A place beyond the list gives zeros; [`crate::Field::new`] refuses such models.
 pub fn fill(input: u8, rows: &Columns, out: &mut Vec<f32>) {
+    let input = usize::from(input);
     out.clear();
-    if (input as usize) < columns::COUNT {
-        out.extend_from_slice(&rows.columns[input as usize]);
-        return;
+    if let Some(column) = rows.columns.get(input) {
+        out.extend_from_slice(column);
+    } else if input < INPUTS.len() {
+        derived::derive_column(input - columns::COUNT, rows, out);
+    } else {
+        out.resize(rows.len(), 0.0);
     }
-    let name = INPUTS[input as usize];
-    out.extend((0..rows.len()).map(|r| derived(name, rows, r)));
 }
 
-fn derived(name: &str, rows: &Columns, r: usize) -> f32 {
-    let (p, n, v, l) = (
-        rows.vec3(columns::P, r),
-        rows.vec3(columns::N, r),
-        rows.vec3(columns::V, r),
-        rows.vec3(columns::L, r),
-    );
-    let to = [l[0] - p[0], l[1] - p[1], l[2] - p[2]];
-    let distance = dot(to, to).sqrt();
-    let d = if distance > 0.0 {
-        to.map(|x| x / distance)
-    } else {
-        [0.0; 3]
-    };
-    match name {
-        "dx" => d[0],
-        "dy" => d[1],
-        "dz" => d[2],
-        "inv_distance" => {
-            if distance > 0.0 {
-                1.0 / distance
-            } else {
-                0.0
+/// Whether input `input` changes when only the light moves.
+pub fn depends_on_light(input: u8) -> bool {
+    const COS_VIEW: usize = columns::COUNT + 6;
+    let input = usize::from(input);
+    (columns::L..columns::L + 3).contains(&input) || (input >= columns::COUNT && input != COS_VIEW)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(light: f32) -> Columns {
+        let mut rows = Columns::default();
+        for r in 0..150 {
+            let mut row = std::array::from_fn(|c| ((r * 31 + c * 17) as f32 * 0.37).sin());
+            for l in &mut row[columns::L..columns::L + 3] {
+                *l += light;
+            }
+            rows.push(row);
+        }
+        rows
+    }
+
+    #[test]
+    fn light_dependence_is_as_declared() {
+        let (here, there) = (rows(0.0), rows(1.0));
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        for input in 0..INPUTS.len() as u8 {
+            fill(input, &here, &mut a);
+            fill(input, &there, &mut b);
+            assert_eq!(a.len(), here.len());
+            assert_eq!(
+                a != b,
+                depends_on_light(input),
+                "{}",
+                INPUTS[input as usize]
+            );
+        }
+    }
+
+    #[test]
+    fn filled_columns_equal_single_rows() {
+        let rows = rows(0.3);
+        let mut column = Vec::new();
+        for k in 0..derived::DERIVED {
+            fill((columns::COUNT + k) as u8, &rows, &mut column);
+            for (r, got) in column.iter().enumerate() {
+                let vec3 = |c| rows.vec3(c, r);
+                let want = derived::derive(
+                    vec3(columns::P),
+                    vec3(columns::N),
+                    vec3(columns::V),
+                    vec3(columns::L),
+                );
+                assert_eq!(got.to_bits(), want[k].to_bits());
             }
         }
-        "mirror_light" => 2.0 * dot(n, v) * dot(n, d) - dot(v, d),
-        "cos_light" => dot(n, d),
-        "cos_view" => dot(n, v),
-        _ => 0.0,
     }
-}
-
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

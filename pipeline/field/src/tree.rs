@@ -7,7 +7,7 @@ pub const LEAF: i8 = -1;
 
 /// A binary tree in flat columns, root at 0. A row goes left where
 /// `row[axis] < threshold`, otherwise right.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tree {
     /// Raw column that the node splits, or [`LEAF`].
     pub axis: Vec<i8>,
@@ -19,6 +19,33 @@ pub struct Tree {
     pub cell: Vec<u32>,
 }
 
+/// A box in the space of raw columns, `minimum <= x < maximum` on each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Domain {
+    /// Lower bound an axis, inclusive.
+    pub minimum: [f32; columns::COUNT],
+    /// Upper bound an axis, exclusive.
+    pub maximum: [f32; columns::COUNT],
+}
+
+impl Domain {
+    /// Everything.
+    pub const ALL: Domain = Domain {
+        minimum: [f32::NEG_INFINITY; columns::COUNT],
+        maximum: [f32::INFINITY; columns::COUNT],
+    };
+    /// Nothing.
+    pub const EMPTY: Domain = Domain {
+        minimum: [f32::INFINITY; columns::COUNT],
+        maximum: [f32::NEG_INFINITY; columns::COUNT],
+    };
+
+    /// Whether a whole row lies in the box.
+    pub fn contains(&self, row: &[f32; columns::COUNT]) -> bool {
+        (0..columns::COUNT).all(|i| self.minimum[i] <= row[i] && row[i] < self.maximum[i])
+    }
+}
+
 impl Tree {
     /// A tree of one leaf, cell 0.
     pub fn single() -> Tree {
@@ -27,6 +54,46 @@ impl Tree {
             threshold: vec![0.0],
             left: vec![0],
             cell: vec![0],
+        }
+    }
+
+    /// Whether the columns make one tree: equal lengths, axes that exist, children after their
+    /// parent and each reached once, finite thresholds, cells numbered 0 to n - 1.
+    pub fn check(&self) -> Result<(), String> {
+        let n = self.axis.len();
+        if n == 0 || [self.threshold.len(), self.left.len(), self.cell.len()] != [n; 3] {
+            return Err("columns of no or of different length".into());
+        }
+        let mut reached = vec![false; n];
+        reached[0] = true;
+        let mut cells = Vec::new();
+        for node in 0..n {
+            let (axis, left) = (self.axis[node], self.left[node] as usize);
+            if !reached[node] {
+                return Err(format!("node {node} is no earlier node's child"));
+            }
+            if axis == LEAF {
+                cells.push(self.cell[node]);
+                continue;
+            }
+            if axis < 0 || axis as usize >= columns::COUNT || !self.threshold[node].is_finite() {
+                return Err(format!(
+                    "node {node}: axis {axis}, threshold {}",
+                    self.threshold[node]
+                ));
+            }
+            if left <= node || left + 1 >= n || reached[left] || reached[left + 1] {
+                return Err(format!("node {node}: left child {left} of {n} nodes"));
+            }
+            (reached[left], reached[left + 1]) = (true, true);
+        }
+        cells.sort_unstable();
+        match (0u32..)
+            .zip(&cells)
+            .find(|(expected, cell)| expected != *cell)
+        {
+            Some((expected, _)) => Err(format!("no leaf is cell {expected}")),
+            None => Ok(()),
         }
     }
 
@@ -50,6 +117,39 @@ impl Tree {
         (0..rows.len()).map(|r| self.find(&rows.row(r))).collect()
     }
 
+    /// The box of each cell in raw columns, `[minimum, maximum)` an axis, infinite where
+    /// no split bounds it. Indexed by cell id; an id that no leaf has keeps an empty box.
+    pub fn domains(&self) -> Vec<Domain> {
+        let ids = self.cell.iter().filter(|&&c| c != u32::MAX);
+        let count = ids.max().map_or(0, |&c| c as usize + 1);
+        let mut domains = vec![Domain::EMPTY; count];
+        let mut stack = vec![(0usize, Domain::ALL)];
+        while let Some((node, domain)) = stack.pop() {
+            if self.axis[node] == LEAF {
+                domains[self.cell[node] as usize] = domain;
+                continue;
+            }
+            let (axis, at) = (self.axis[node] as usize, self.threshold[node]);
+            let (mut left, mut right) = (domain, domain);
+            left.maximum[axis] = left.maximum[axis].min(at);
+            right.minimum[axis] = right.minimum[axis].max(at);
+            stack.push((self.left[node] as usize, left));
+            stack.push((self.left[node] as usize + 1, right));
+        }
+        domains
+    }
+
+    /// The node id of each cell's leaf, indexed by cell id.
+    pub fn leaves(&self) -> Vec<usize> {
+        let mut leaves = vec![0; self.domains().len()];
+        for (node, &cell) in self.cell.iter().enumerate() {
+            if cell != u32::MAX {
+                leaves[cell as usize] = node;
+            }
+        }
+        leaves
+    }
+
     /// Turns the leaf `node` into a split and returns its children's node ids.
     /// The left child keeps the leaf's cell id, the right one gets `new_cell`.
     pub fn split(&mut self, node: usize, axis: usize, threshold: f32, new_cell: u32) -> [usize; 2] {
@@ -64,5 +164,31 @@ impl Tree {
         self.left[node] = left as u32;
         self.cell[node] = u32::MAX;
         [left, left + 1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::{Stage, Stream};
+
+    /// A random tree: every row lies in the box of the cell that the walk finds, and in no other.
+    #[test]
+    fn a_row_lies_in_its_cells_box_only() {
+        let mut random = Stream::new(7, Stage::Test, 0).walk(0);
+        let mut tree = Tree::single();
+        for cell in 1..40 {
+            let leaves = tree.leaves();
+            let leaf = leaves[random.next_u32() as usize % leaves.len()];
+            let axis = random.next_u32() as usize % columns::COUNT;
+            tree.split(leaf, axis, random.next_f32(), cell);
+        }
+        let domains = tree.domains();
+        assert_eq!((tree.cells(), domains.len()), (40, 40));
+        for _ in 0..2000 {
+            let row: [f32; columns::COUNT] = std::array::from_fn(|_| random.next_f32());
+            let inside: Vec<usize> = (0..40).filter(|&c| domains[c].contains(&row)).collect();
+            assert_eq!(inside, [tree.find(&row) as usize]);
+        }
     }
 }

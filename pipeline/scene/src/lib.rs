@@ -6,9 +6,17 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod error;
+mod file;
+mod gltf;
+mod load;
+mod options;
 mod scene;
+mod texture;
+mod warn;
 
 pub use error::SceneError;
+pub use load::load;
+pub use options::{LightUnits, LoadOptions};
 pub use scene::{
     AreaLight, Camera, INVALID, Material, MaterialKind, PointLight, Scene, Texture, Warning,
 };

@@ -1,1 +1,21 @@
-//! Placeholder while the workspace is set up.
+//! Light in a static scene by path tracing.
+//!
+//! [`Tracer`] makes a scene ready for rays; [`Tracer::sample_area`] and [`Tracer::locate`] name
+//! points on its surface; [`indirect`] estimates what those points send to a viewer when a
+//! point light shines, direct light left out. Random numbers are a function of
+//! indices ([`Stream`]), so that any part of any result can be made again alone.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod bsdf;
+mod error;
+mod indirect;
+pub mod rng;
+mod surface;
+mod tracer;
+
+pub use error::TraceError;
+pub use indirect::{Estimates, Queries, indirect};
+pub use rng::Stream;
+pub use surface::{Frame, SurfacePoint};
+pub use tracer::{Hit, Tracer};

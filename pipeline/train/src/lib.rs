@@ -1,1 +1,33 @@
-//! Placeholder while the workspace is set up.
+//! Levenberg-Marquardt training of a cell's net.
+//!
+//! Rows and two half estimates go in, a [`fit::CellFit`] comes out:
+//!
+//! - [`prepare`] leaves out rows that are not finite, drops inputs that do not vary, scales;
+//! - [`tile`] runs a net over 128 rows at a time, [`blocks`] sums JᵀWJ from them without ever
+//!   forming J, on one matrix kernel ([`gemm`]) and a vectorised tanh ([`simd`]);
+//! - [`lm`] takes damped steps on any [`lm::Problem`], [`linalg`] factors;
+//! - [`problem`] makes a net and its relative loss such a problem;
+//! - [`halves`] tells errors without Monte Carlo noise;
+//! - [`fit`] puts it together: [`fit::fit_cell`].
+//!
+//! One net runs on one thread; train cells in parallel.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod blocks;
+pub mod config;
+pub mod error;
+pub mod fit;
+pub mod gemm;
+pub mod halves;
+pub mod linalg;
+pub mod lm;
+pub mod prepare;
+pub mod problem;
+pub mod simd;
+pub mod tile;
+
+#[cfg(test)]
+mod made_up;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,43 @@
+# make demo   build, bake the Cornell box, render and compare: see README.md
+# make test   everything that has to hold: Rust and Python
+
+OUT ?= out/demo
+SCENE = scenes/cornell-box/scene.pbrt
+LIGHT_BOX = -0.6,1.3,-0.6,0.6,1.8,0.6
+LIGHT = 0.1,1.6,0.2,4,4,4
+RRF = $(or $(CARGO_TARGET_DIR),target)/release/rrf
+VENV = .venv
+
+.PHONY: demo test setup build python clean
+
+setup:
+	@sh tests/setup.sh
+
+build: setup
+	cargo build --release --locked
+
+demo: build
+	@rm -rf $(OUT)
+	@mkdir -p $(OUT)
+	$(RRF) bake $(SCENE) -o $(OUT)/run --light-box $(LIGHT_BOX)
+	$(RRF) render $(OUT)/run --light $(LIGHT) --size 512x512 -o $(OUT)/model.exr -o $(OUT)/model.png
+	$(RRF) trace $(SCENE) --light $(LIGHT) --size 512x512 --spp 256 -o $(OUT)/traced.exr -o $(OUT)/traced.png
+	$(RRF) compare $(OUT)/model.exr $(OUT)/traced.exr
+	@echo "The pictures: $(OUT)/model.png (baked nets) and $(OUT)/traced.png (path traced);"
+	@echo "the same as EXR with the layers direct, indirect and cell beside them."
+
+test: build python
+	cargo fmt --all --check
+	cargo clippy --release --locked --workspace --all-targets -- -D warnings
+	cargo test --release --locked --workspace
+	RRF=$(abspath $(RRF)) $(VENV)/bin/python -m pytest -q tests/python
+
+python: $(VENV)/installed
+
+$(VENV)/installed: tests/python/requirements.txt
+	python3 -m venv $(VENV)
+	$(VENV)/bin/python -m pip install --quiet --requirement tests/python/requirements.txt
+	@touch $@
+
+clean:
+	rm -rf out $(VENV)

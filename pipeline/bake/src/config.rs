@@ -1,0 +1,74 @@
+//! Every setting of a bake, recorded in `run.json`.
+
+use rrf_extract::{ExtractConfig, LightBox, Weights};
+use rrf_scene::{LightUnits, LoadOptions};
+use rrf_train::TrainConfig;
+use serde::{Deserialize, Serialize};
+
+/// How much work a bake does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Preset {
+    /// Seconds: to see whether a scene and a light box make sense.
+    Preview,
+    /// Minutes: what the README's figures are made with.
+    Standard,
+    /// As long as it takes.
+    Fine,
+}
+
+/// Settings of all stages.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BakeConfig {
+    /// What the settings came from.
+    pub preset: Preset,
+    /// Relative error to reach.
+    pub target: f32,
+    /// Reflectance of surfaces without a material.
+    pub default_albedo: f32,
+    /// Unit of glTF light intensities.
+    pub light_units: LightUnits,
+    /// Plan and extraction.
+    pub extract: ExtractConfig,
+    /// Training.
+    pub train: TrainConfig,
+}
+
+impl BakeConfig {
+    /// A preset's settings.
+    pub fn preset(preset: Preset, light_box: LightBox, seed: u64) -> BakeConfig {
+        let (cells, rows, paths) = match preset {
+            Preset::Preview => (16, 40_000, 32),
+            Preset::Standard => (32, 240_000, 64),
+            Preset::Fine => (128, 2_000_000, 128),
+        };
+        BakeConfig {
+            preset,
+            target: 0.05,
+            default_albedo: 0.7,
+            light_units: LightUnits::Spec,
+            extract: ExtractConfig {
+                light_box,
+                seed,
+                candidates: 65_536,
+                cells,
+                rows,
+                fewest_rows: 1_000,
+                paths,
+                weights: Weights::default(),
+            },
+            train: TrainConfig {
+                seed,
+                ..TrainConfig::default()
+            },
+        }
+    }
+
+    /// How the scene file is read.
+    pub fn load_options(&self) -> LoadOptions {
+        LoadOptions {
+            default_albedo: self.default_albedo,
+            light_units: self.light_units,
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Why a bake stopped.
+
+use rrf_extract::ExtractError;
+use rrf_scene::SceneError;
+use rrf_store::StoreError;
+use rrf_trace::TraceError;
+use rrf_train::TrainError;
+use std::path::PathBuf;
+
+/// What went wrong in a run, with the stage's own facts inside.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError {
+    /// The scene file.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The scene cannot be traced.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// Nothing could be extracted.
+    #[error(transparent)]
+    Extract(#[from] ExtractError),
+    /// A table or the run folder.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A fit could not start.
+    #[error(transparent)]
+    Train(#[from] TrainError),
+    /// The run folder already holds a run.
+    #[error("{path}: already holds a run. Choose another folder, or go on with it by --resume", path = path.display())]
+    Exists {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder holds a run with other settings.
+    #[error("{path}: was begun with another {what} ({found}, now {asked}). Choose another folder, or give the same settings", path = path.display())]
+    OtherRun {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        what: &'static str,
+        /// As the run has it.
+        found: String,
+        /// As asked for now.
+        asked: String,
+    },
+    /// A cell asked for by number that the plan does not have.
+    #[error("cell {cell}: the plan has cells 0 to {last}")]
+    NoSuchCell {
+        /// The cell.
+        cell: u32,
+        /// The last one that exists.
+        last: u32,
+    },
+    /// The run has no samples yet.
+    #[error("{path}: cell {cell} has no samples. Run `rrf extract` or `rrf bake --resume` first", path = path.display())]
+    NotExtracted {
+        /// The run folder.
+        path: PathBuf,
+        /// The first cell without any.
+        cell: u32,
+    },
+}
+
+impl BakeError {
+    /// Whether the same call fails again until a person changes the input (exit code 2).
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            BakeError::Store(error) => error.is_bad_input(),
+            _ => true,
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! What can be typed: every subcommand and option, as plain structs.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Bakes a static scene's indirect light into small neural nets; viewpoint and lights stay free.
+#[derive(Debug, Parser)]
+#[command(name = "rrf", version, max_term_width = 100)]
+pub struct Cli {
+    /// The subcommand.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Worker threads (results do not depend on it).
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// No progress bars.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// Every subcommand. Add one: a variant here, its arguments below, its module beside this file.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Load, plan, extract, train, judge: from a scene file to a run folder.
+    Bake(BakeArgs),
+    /// The first stages of a bake alone: load, plan, extract.
+    Extract(ExtractArgs),
+    /// The last stages of a bake alone: train, judge.
+    Train(TrainArgs),
+    /// Render a frame by the baked nets (plus exact direct light).
+    Render(RenderArgs),
+    /// Render a frame, or points, by path tracing: the ground truth.
+    Trace(TraceArgs),
+    /// The model's indirect radiance at points of a table.
+    Query(QueryArgs),
+    /// Compare two EXR frames: relMSE, relative error, ΔE*ab, ΔE2000, FLIP.
+    Compare(CompareArgs),
+    /// Print what was understood of a scene file.
+    Scene(SceneArgs),
+    /// Check what this machine offers and whether the program works on it.
+    Doctor(DoctorArgs),
+}
+
+/// How a scene file is read.
+#[derive(Args, Clone, Debug)]
+pub struct SceneOptions {
+    /// Reflectance of surfaces without a material.
+    #[arg(long, value_name = "A", default_value_t = 0.7, value_parser = unit_interval)]
+    pub default_albedo: f32,
+    /// Unit of glTF light intensities: the Blender exporter's three modes.
+    #[arg(long, value_enum, default_value_t = LightUnits::Spec)]
+    pub light_units: LightUnits,
+}
+
+/// Unit of glTF light intensities.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum LightUnits {
+    /// Candela, as the specification says.
+    Spec,
+    /// Radiometric, W/sr.
+    Compat,
+    /// Blender's own watts.
+    Raw,
+}
+
+/// `rrf bake`.
+#[derive(Args, Clone, Debug)]
+pub struct BakeArgs {
+    /// Scene file (.pbrt, .gltf, .glb, .obj).
+    pub scene: PathBuf,
+    /// The run folder to make.
+    #[arg(short, long, value_name = "RUN")]
+    pub output: PathBuf,
+    /// Where lights may stand; by default the middle 80 % of the scene's bounds.
+    #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = parse_box, allow_hyphen_values = true)]
+    pub light_box: Option<[f32; 6]>,
+    /// Relative error to reach.
+    #[arg(long, default_value_t = 0.05, value_parser = positive)]
+    pub target: f32,
+    /// Seed of every random number.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// How much work.
+    #[arg(long, value_enum, default_value_t = Preset::Standard)]
+    pub preset: Preset,
+    /// Stop starting new work after this many seconds.
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time_limit: Option<f32>,
+    /// Go on with a run that was cut off; what is done stays.
+    #[arg(long)]
+    pub resume: bool,
+    /// Rows of all cells together, instead of the preset's.
+    #[arg(long, value_name = "N")]
+    pub rows: Option<u32>,
+    /// Paths a row, instead of the preset's.
+    #[arg(long, value_name = "N")]
+    pub paths: Option<u32>,
+    /// Cells at the most, instead of the preset's.
+    #[arg(long, value_name = "N")]
+    pub cells: Option<u32>,
+    /// Reading the scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+}
+
+/// How much work a bake does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Preset {
+    /// Seconds: to see whether a scene and a light box make sense.
+    Preview,
+    /// Minutes: what the README's figures are made with.
+    Standard,
+    /// As long as it takes.
+    Fine,
+}
+
+/// `rrf extract`.
+#[derive(Args, Clone, Debug)]
+pub struct ExtractArgs {
+    /// The bake's arguments.
+    #[command(flatten)]
+    pub bake: BakeArgs,
+    /// Extract this cell alone (again for more).
+    #[arg(long, value_name = "ID")]
+    pub cell: Vec<u32>,
+}
+
+/// `rrf train`.
+#[derive(Args, Clone, Debug)]
+pub struct TrainArgs {
+    /// The run folder, extracted.
+    pub run: PathBuf,
+}
+
+/// A view; what is not given comes from the scene's first camera.
+#[derive(Args, Clone, Debug)]
+pub struct ViewArgs {
+    /// Eye position.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    pub eye: Option<[f32; 3]>,
+    /// Where the camera looks.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true, requires = "eye")]
+    pub look_at: Option<[f32; 3]>,
+    /// Up direction.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    pub up: Option<[f32; 3]>,
+    /// Full angle of the shorter image side [degrees].
+    #[arg(long, value_name = "DEG", value_parser = positive)]
+    pub fov: Option<f32>,
+    /// Picture size in pixels.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// A point light: position and radiant intensity [W/sr] (again for more).
+    #[arg(long, value_name = "x,y,z[,r,g,b]", value_parser = parse_light, allow_hyphen_values = true)]
+    pub light: Vec<[f32; 6]>,
+    /// Which part of the light the picture shows.
+    #[arg(long, value_enum, default_value_t = Part::Full)]
+    pub part: Part,
+    /// Camera rays a pixel are N x N.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub aa: u32,
+    /// Exposure of the PNG in stops; by default chosen from the picture and printed.
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
+    pub exposure: Option<f32>,
+}
+
+/// Which part of the light a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Part {
+    /// Direct and indirect.
+    Full,
+    /// Emission and light that arrives from the lights themselves.
+    Direct,
+    /// Light that arrives from other surfaces.
+    Indirect,
+}
+
+/// `rrf render`.
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    /// The run folder, baked.
+    pub run: PathBuf,
+    /// Picture to write (.exr with layers, .png tone-mapped); again for more.
+    #[arg(short, long, value_name = "F", required = true)]
+    pub output: Vec<PathBuf>,
+    /// View and lights.
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// `rrf trace`.
+#[derive(Args, Clone, Debug)]
+pub struct TraceArgs {
+    /// Scene file.
+    pub scene: PathBuf,
+    /// Picture (.exr, .png; again for more), or with --points the table to write.
+    #[arg(short, long, value_name = "F", required = true)]
+    pub output: Vec<PathBuf>,
+    /// Paths a pixel or a point.
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    pub spp: u32,
+    /// Points table: indirect radiance at its rows instead of a picture.
+    #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "light", "part", "fov", "size"])]
+    pub points: Option<PathBuf>,
+    /// Seed of every random number.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// View and lights.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Reading the scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+}
+
+/// `rrf query`.
+#[derive(Args, Clone, Debug)]
+pub struct QueryArgs {
+    /// The run folder, baked.
+    pub run: PathBuf,
+    /// Points table.
+    #[arg(long, value_name = "IN.parquet")]
+    pub points: PathBuf,
+    /// Table to write.
+    #[arg(short, long, value_name = "OUT.parquet")]
+    pub output: PathBuf,
+}
+
+/// `rrf compare`.
+#[derive(Args, Clone, Debug)]
+pub struct CompareArgs {
+    /// The frame to judge.
+    pub a: PathBuf,
+    /// The reference.
+    pub b: PathBuf,
+    /// Layer to compare (full, direct, indirect).
+    #[arg(long, default_value = "full")]
+    pub layer: String,
+    /// Exposure in stops for the colour differences; by default chosen from the reference.
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
+    pub exposure: Option<f32>,
+    /// Machine-readable output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `rrf scene`.
+#[derive(Args, Clone, Debug)]
+pub struct SceneArgs {
+    /// Scene file.
+    pub scene: PathBuf,
+    /// Machine-readable output.
+    #[arg(long)]
+    pub json: bool,
+    /// Reading the scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+}
+
+/// `rrf doctor`.
+#[derive(Args, Clone, Debug)]
+pub struct DoctorArgs {}
+
+fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
+    let given: Vec<&str> = text.split(',').collect();
+    if given.len() != N {
+        return Err(format!("needs {N} numbers with commas between, has {}", given.len()));
+    }
+    let mut out = [0.0; N];
+    for (out, text) in out.iter_mut().zip(given) {
+        *out = number(text)?;
+    }
+    Ok(out)
+}
+
+fn number(text: &str) -> Result<f32, String> {
+    let x: f32 = text.trim().parse().map_err(|_| format!("{text:?} is no number"))?;
+    if x.is_finite() { Ok(x) } else { Err(format!("{text:?} is not finite")) }
+}
+
+fn parse_vec3(text: &str) -> Result<[f32; 3], String> {
+    numbers::<3>(text)
+}
+
+fn parse_box(text: &str) -> Result<[f32; 6], String> {
+    let b = numbers::<6>(text)?;
+    if (0..3).any(|i| b[i] > b[i + 3]) {
+        return Err("the first corner has to be the smaller one on every axis".into());
+    }
+    Ok(b)
+}
+
+fn parse_light(text: &str) -> Result<[f32; 6], String> {
+    if text.split(',').count() == 3 {
+        let p = numbers::<3>(text)?;
+        return Ok([p[0], p[1], p[2], 1.0, 1.0, 1.0]);
+    }
+    let l = numbers::<6>(text).map_err(|e| format!("{e} (or 3 for a light of 1 W/sr)"))?;
+    if l[3..].iter().any(|&x| x < 0.0) {
+        return Err("an intensity cannot be negative".into());
+    }
+    Ok(l)
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    match parsed {
+        Some([w, h]) if (1..=16384).contains(&w) && (1..=16384).contains(&h) => Ok([w, h]),
+        _ => Err("needs WIDTHxHEIGHT, each from 1 to 16384, for example 640x480".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let x = number(text)?;
+    if x > 0.0 { Ok(x) } else { Err("has to be above 0".into()) }
+}
+
+fn unit_interval(text: &str) -> Result<f32, String> {
+    let x = number(text)?;
+    if (0.0..=1.0).contains(&x) { Ok(x) } else { Err("has to be from 0 to 1".into()) }
+}

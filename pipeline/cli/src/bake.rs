@@ -1,0 +1,113 @@
+//! `rrf bake`, `rrf extract`, `rrf train`.
+
+use crate::args::{BakeArgs, ExtractArgs, TrainArgs};
+use crate::progress::Bars;
+use crate::scene;
+use rrf_bake::{BakeConfig, Judgement, Preset, Run};
+use rrf_extract::{Census, LightBox};
+use rrf_scene::Scene;
+use rrf_trace::Tracer;
+
+/// The whole chain.
+pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
+    let scene = scene::load(&args.scene, &args.scene_options)?;
+    let config = config(args, &scene);
+    let watch = Bars::new(quiet);
+    let report = rrf_bake::bake(&scene, &config, &args.output, args.resume, &watch)?;
+    print_census(&report.census);
+    print_judgement(&report.judgement, config.target);
+    println!(
+        "extracted in {:.1} s, trained in {:.1} s: {}",
+        report.extracting.as_secs_f64(),
+        report.training.as_secs_f64(),
+        args.output.display()
+    );
+    Ok(())
+}
+
+/// Load, plan, extract.
+pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
+    let bake = &args.bake;
+    let scene = scene::load(&bake.scene, &bake.scene_options)?;
+    let tracer = Tracer::new(&scene)?;
+    let run = Run::create(&bake.output, &scene, &config(bake, &scene), bake.resume)?;
+    let plan = rrf_bake::plan(&run, &scene, &tracer)?;
+    let only = (!args.cell.is_empty()).then_some(args.cell.as_slice());
+    rrf_bake::extract(&run, &scene, &tracer, &plan, only, &Bars::new(quiet))?;
+    print_census(&plan.census);
+    println!("{} cells planned: {}", plan.cells.len(), bake.output.display());
+    Ok(())
+}
+
+/// Train, judge.
+pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
+    let run = Run::open(&args.run)?;
+    let plan = run.plan()?;
+    rrf_bake::train(&run, &plan, &Bars::new(quiet))?;
+    print_judgement(&rrf_bake::judge(&run, &plan)?, run.config.target);
+    Ok(())
+}
+
+fn config(args: &BakeArgs, scene: &Scene) -> BakeConfig {
+    let light_box = match args.light_box {
+        Some([x0, y0, z0, x1, y1, z1]) => {
+            LightBox { minimum: [x0, y0, z0], maximum: [x1, y1, z1] }
+        }
+        None => middle(scene),
+    };
+    let preset = match args.preset {
+        crate::args::Preset::Preview => Preset::Preview,
+        crate::args::Preset::Standard => Preset::Standard,
+        crate::args::Preset::Fine => Preset::Fine,
+    };
+    let options = scene::options(&args.scene_options);
+    let mut config = BakeConfig::preset(preset, light_box, args.seed);
+    config.target = args.target;
+    config.default_albedo = options.default_albedo;
+    config.light_units = options.light_units;
+    config.extract.rows = args.rows.unwrap_or(config.extract.rows);
+    config.extract.paths = args.paths.unwrap_or(config.extract.paths);
+    config.extract.cells = args.cells.unwrap_or(config.extract.cells);
+    config
+}
+
+/// The middle 80 % of the scene's bounds on each axis.
+fn middle(scene: &Scene) -> LightBox {
+    let (low, high) = scene.bounds();
+    let margin = (high - low) * 0.1;
+    let light_box = LightBox {
+        minimum: (low + margin).to_array(),
+        maximum: (high - margin).to_array(),
+    };
+    eprintln!(
+        "no --light-box: lights may stand in the middle 80 % of the scene, {:?} to {:?}",
+        light_box.minimum, light_box.maximum
+    );
+    light_box
+}
+
+fn print_census(census: &Census) {
+    println!(
+        "candidates: {} accepted; left out: {} lights inside solids, {} points inside solids, \
+         {} points that see nothing, {} on black surfaces",
+        census.accepted,
+        census.light_in_solid,
+        census.point_in_solid,
+        census.sees_nothing,
+        census.black
+    );
+}
+
+fn print_judgement(judgement: &Judgement, target: f32) {
+    let square = f64::from(target).powi(2);
+    let missing = judgement.cells.iter().filter(|c| c.square_error > square).count();
+    println!(
+        "relative error on rows held out: {:.2} % ± {:.2} % (target {:.2} %); {} of {} cells miss it",
+        100.0 * judgement.relative_error,
+        100.0 * judgement.relative_error_se,
+        100.0 * target,
+        missing,
+        judgement.cells.len()
+    );
+    println!("  relative error: sqrt(mean((p-m)² / max(lum(m), ε)²)), ε = 5 % of the mean luminance, Monte Carlo noise taken out");
+}

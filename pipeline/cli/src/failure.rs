@@ -1,0 +1,27 @@
+//! Exit codes: 0 done, 1 failed (could succeed if tried again), 2 bad input or usage.
+
+use rrf_bake::BakeError;
+use rrf_extract::ExtractError;
+use rrf_render::RenderError;
+use rrf_scene::SceneError;
+use rrf_store::StoreError;
+use rrf_trace::TraceError;
+
+/// Bad input found by the command line itself.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct BadInput(pub String);
+
+/// The exit code of an error: bad input wherever one of the libraries says so.
+pub fn exit_code(error: &anyhow::Error) -> u8 {
+    let bad = error.chain().any(|cause| {
+        cause.is::<BadInput>()
+            || cause.is::<SceneError>()
+            || cause.is::<TraceError>()
+            || cause.is::<ExtractError>()
+            || cause.downcast_ref::<RenderError>().is_some_and(RenderError::is_bad_input)
+            || cause.downcast_ref::<StoreError>().is_some_and(StoreError::is_bad_input)
+            || cause.downcast_ref::<BakeError>().is_some_and(BakeError::is_bad_input)
+    });
+    if bad { 2 } else { 1 }
+}

@@ -1,0 +1,243 @@
+//! A field ready for evaluation: rows grouped by cell, nets over blocks of rows.
+
+use crate::columns::{self, Columns};
+use crate::derived::{self, BLOCK, DERIVED, DerivedBlock, Lane, RawBlock};
+use crate::error::FieldError;
+use crate::kernel::{self, Scratch};
+use crate::model::{CellModel, INPUTS};
+use crate::packed::Packed;
+use crate::tree::Tree;
+use crate::walk::Walk;
+use multiversion::{multiversion, target::match_target};
+
+/// A kd-tree and the model of each of its cells.
+///
+/// Evaluation gives what the nets say, negative radiance included: whoever shows a picture
+/// decides what becomes of it.
+#[derive(Clone, Debug)]
+pub struct Field {
+    tree: Tree,
+    models: Vec<CellModel>,
+    pub(crate) walk: Walk,
+    pub(crate) packed: Vec<Packed>,
+    pub(crate) width: usize,
+}
+
+impl Field {
+    /// Checks that tree and models agree; `models[c]` is the model of cell c.
+    pub fn new(tree: Tree, models: Vec<CellModel>) -> Result<Field, FieldError> {
+        let walk = Walk::new(&tree)?;
+        let cells = tree.cells();
+        if cells != models.len() {
+            let models = models.len();
+            return Err(FieldError::Count { cells, models });
+        }
+        for (cell, model) in models.iter().enumerate() {
+            check(cell, model).map_err(|reason| FieldError::Model { cell, reason })?;
+        }
+        let packed: Vec<Packed> = models.iter().map(Packed::new).collect();
+        let width = packed.iter().map(Packed::width).max().unwrap_or(0);
+        Ok(Field {
+            tree,
+            models,
+            walk,
+            packed,
+            width,
+        })
+    }
+
+    /// The tree.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// The models by cell id.
+    pub fn models(&self) -> &[CellModel] {
+        &self.models
+    }
+
+    /// The cell of each row.
+    pub fn cells(&self, rows: &Columns, cells: &mut Vec<u32>) -> Result<(), FieldError> {
+        check_rows(rows)?;
+        self.walk.cells(rows, cells);
+        Ok(())
+    }
+
+    /// Indirect radiance [W·sr⁻¹·m⁻²] of each row for a light of 1 W/sr at the row's own light
+    /// position, channel by channel, and each row's cell. A row's bits do not depend on the
+    /// other rows of the batch.
+    pub fn evaluate(
+        &self,
+        rows: &Columns,
+        out: &mut [Vec<f32>; 3],
+        cells: &mut Vec<u32>,
+    ) -> Result<(), FieldError> {
+        self.prepare(rows, out)?;
+        self.walk.cells(rows, cells);
+        let (order, starts) = group(cells, self.packed.len());
+        let mut scratch = Scratch::new(self.width);
+        for (packed, range) in self.packed.iter().zip(starts.windows(2)) {
+            let ids = &order[range[0] as usize..range[1] as usize];
+            if !ids.is_empty() {
+                evaluate_cell(packed, rows, ids, &mut scratch, out);
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks the rows and makes `out` as long, zeros.
+    pub(crate) fn prepare(
+        &self,
+        rows: &Columns,
+        out: &mut [Vec<f32>; 3],
+    ) -> Result<(), FieldError> {
+        check_rows(rows)?;
+        for channel in out.iter_mut() {
+            channel.clear();
+            channel.resize(rows.len(), 0.0);
+        }
+        Ok(())
+    }
+}
+
+/// Row ids sorted by cell, rows of a cell in their order, and where each cell starts.
+fn group(cells: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0u32; count + 1];
+    for &cell in cells {
+        starts[cell as usize + 1] += 1;
+    }
+    for c in 0..count {
+        starts[c + 1] += starts[c];
+    }
+    let mut next = starts.clone();
+    let mut order = vec![0u32; cells.len()];
+    for (row, &cell) in cells.iter().enumerate() {
+        let at = &mut next[cell as usize];
+        order[*at as usize] = row as u32;
+        *at += 1;
+    }
+    (order, starts)
+}
+
+/// The rows `ids`, all of one cell.
+#[multiversion(targets(
+    "x86_64+avx+avx2+fma+avx512f+avx512vl+avx512dq+avx512bw",
+    "x86_64+avx+avx2+fma"
+))]
+fn evaluate_cell(
+    packed: &Packed,
+    rows: &Columns,
+    ids: &[u32],
+    scratch: &mut Scratch,
+    out: &mut [Vec<f32>; 3],
+) {
+    match_target! {
+        "x86_64+avx512f" => evaluate_with::<true, 32>(packed, rows, ids, scratch, out),
+        "x86_64+fma" => evaluate_with::<true, 16>(packed, rows, ids, scratch, out),
+        "aarch64" => evaluate_with::<true, 8>(packed, rows, ids, scratch, out),
+        _ => evaluate_with::<false, 8>(packed, rows, ids, scratch, out),
+    }
+}
+
+#[inline(always)]
+fn evaluate_with<const FUSED: bool, const LANES: usize>(
+    packed: &Packed,
+    rows: &Columns,
+    ids: &[u32],
+    scratch: &mut Scratch,
+    out: &mut [Vec<f32>; 3],
+) {
+    let mut raw: RawBlock = [Lane::ZERO; columns::COUNT];
+    let mut derived: DerivedBlock = [Lane::ZERO; DERIVED];
+    let mut result = [Lane::ZERO; 3];
+    for ids in ids.chunks(BLOCK) {
+        gather(packed, rows, ids, &mut raw);
+        if packed.derived {
+            derived::derive_block(&raw, &mut derived);
+        }
+        kernel::scale(
+            packed,
+            0..packed.sizes[0],
+            &raw,
+            &derived,
+            &mut scratch.scaled,
+        );
+        kernel::net::<FUSED, LANES>(packed, false, &raw, scratch, &mut result);
+        for (out, result) in out.iter_mut().zip(&result) {
+            for (&id, value) in ids.iter().zip(result.0) {
+                out[id as usize] = value;
+            }
+        }
+    }
+}
+
+/// The rows' columns that the cell reads. Rows beyond `ids` keep what an earlier block left.
+#[inline(always)]
+pub(crate) fn gather(packed: &Packed, rows: &Columns, ids: &[u32], raw: &mut RawBlock) {
+    let (first, last) = (ids[0] as usize, ids[ids.len() - 1] as usize);
+    let run = last - first + 1 == ids.len();
+    for &c in &packed.columns {
+        let (lane, column) = (&mut raw[usize::from(c)].0, &rows.columns[usize::from(c)]);
+        if run {
+            lane[..ids.len()].copy_from_slice(&column[first..=last]);
+        } else {
+            for (x, &id) in lane.iter_mut().zip(ids) {
+                *x = column[id as usize];
+            }
+        }
+    }
+}
+
+fn check_rows(rows: &Columns) -> Result<(), FieldError> {
+    let expected = rows.len();
+    if expected >= u32::MAX as usize {
+        return Err(FieldError::TooManyRows { rows: expected });
+    }
+    for (column, values) in columns::NAMES.iter().zip(&rows.columns) {
+        if values.len() != expected {
+            return Err(FieldError::Ragged {
+                column,
+                expected,
+                found: values.len(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// What is wrong with a model, if anything.
+fn check(cell: usize, model: &CellModel) -> Result<(), &'static str> {
+    let sizes = &model.shape.sizes;
+    let fault = if model.cell as usize != cell {
+        "it names another cell"
+    } else if sizes.len() < 2 || sizes.contains(&0) {
+        "its net has no layer or an empty one"
+    } else if sizes.last() != Some(&3) {
+        "its net does not have 3 outputs"
+    } else if model.inputs.len() != sizes[0] {
+        "its net does not have as many inputs as are named"
+    } else if model.inputs.iter().any(|&i| usize::from(i) >= INPUTS.len()) {
+        "it reads an input that this program does not know"
+    } else if model.input_offset.len() != sizes[0] || model.input_scale.len() != sizes[0] {
+        "it does not scale each input"
+    } else if model.weights.len() != model.shape.weights() {
+        "it does not have as many weights as its shape needs"
+    } else if !finite(model) {
+        "a weight or scale is not finite"
+    } else {
+        return Ok(());
+    };
+    Err(fault)
+}
+
+fn finite(model: &CellModel) -> bool {
+    [
+        model.input_offset.as_slice(),
+        &model.input_scale,
+        &model.weights,
+        &model.output_scale,
+        &model.output_offset,
+    ]
+    .iter()
+    .all(|values| values.iter().all(|x| x.is_finite()))
+}

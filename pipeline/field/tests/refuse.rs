@@ -1,0 +1,95 @@
+//! Damaged trees, models and batches are refused by name.
+
+mod common;
+
+use common::{Numbers, model, rows, tree};
+use rrf_field::model::CellModel;
+use rrf_field::tree::Tree;
+use rrf_field::{Field, FieldError};
+
+fn models(cells: u32) -> Vec<CellModel> {
+    let mut numbers = Numbers(1);
+    (0..cells)
+        .map(|c| model(c, &[0, 1, 2], &[4], &mut numbers))
+        .collect()
+}
+
+#[test]
+fn a_damaged_tree_is_refused() {
+    type Damage = fn(&mut Tree);
+    let damages: [Damage; 10] = [
+        |t| t.axis.clear(),
+        |t| t.cell.truncate(3),
+        |t| t.axis[0] = 18,
+        |t| t.axis[0] = -7,
+        |t| t.threshold[0] = f32::NAN,
+        |t| t.left[0] = 0,
+        |t| t.left[0] = u32::MAX,
+        |t| t.left[1] = t.left[0],
+        |t| t.cell.fill(0),
+        |t| t.axis[0] = -1,
+    ];
+    for (i, damage) in damages.into_iter().enumerate() {
+        // Nodes 0 and 1 are inner nodes: split the root, then its left child.
+        let mut tree = Tree::single();
+        let [left, _] = tree.split(0, 0, 0.0, 1);
+        tree.split(left, 1, 0.0, 2);
+        assert!(Field::new(tree.clone(), models(3)).is_ok());
+        damage(&mut tree);
+        let refused = Field::new(tree, models(3)).unwrap_err();
+        assert!(
+            matches!(refused, FieldError::Tree { .. } | FieldError::Count { .. }),
+            "damage {i}: {refused}"
+        );
+    }
+}
+
+#[test]
+fn a_damaged_model_is_refused() {
+    type Damage = fn(&mut CellModel);
+    let damages: [(&str, Damage); 10] = [
+        ("another cell", |m| m.cell = 0),
+        ("empty one", |m| m.shape.sizes = vec![3, 0, 3]),
+        ("no layer", |m| m.shape.sizes = vec![3]),
+        ("3 outputs", |m| m.shape.sizes = vec![3, 4, 2]),
+        ("as many inputs", |m| m.inputs.push(4)),
+        ("does not know", |m| m.inputs[1] = 25),
+        ("scale each input", |m| m.input_scale.clear()),
+        ("as many weights", |m| m.weights.push(0.0)),
+        ("not finite", |m| m.weights[5] = f32::NAN),
+        ("not finite", |m| m.output_scale[2] = f32::INFINITY),
+    ];
+    for (reason, damage) in damages {
+        let mut models = models(2);
+        damage(&mut models[1]);
+        let refused = Field::new(tree(2, 1), models).unwrap_err();
+        assert!(matches!(refused, FieldError::Model { cell: 1, .. }));
+        assert!(refused.to_string().contains(reason), "{refused}");
+    }
+}
+
+#[test]
+fn counts_and_lengths_must_agree() {
+    let refused = Field::new(tree(3, 1), models(2)).unwrap_err();
+    assert_eq!(
+        refused,
+        FieldError::Count {
+            cells: 3,
+            models: 2
+        }
+    );
+
+    let field = Field::new(tree(3, 1), models(3)).unwrap();
+    let mut rows = rows(10, 1);
+    rows.columns[4].pop();
+    let (mut out, mut cells) = Default::default();
+    let refused = field.evaluate(&rows, &mut out, &mut cells).unwrap_err();
+    assert_eq!(
+        refused,
+        FieldError::Ragged {
+            column: "ny",
+            expected: 10,
+            found: 9
+        }
+    );
+}

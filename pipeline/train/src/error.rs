@@ -1,0 +1,34 @@
+//! Errors of a fit that can be told before it starts.
+
+/// A fit cannot start.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TrainError {
+    /// Columns, halves and validation marks differ in length.
+    #[error("{what} has {found} rows, the columns have {expected}; all must be of one length")]
+    Length {
+        /// Which argument.
+        what: &'static str,
+        /// Its rows.
+        found: usize,
+        /// Rows of the columns.
+        expected: usize,
+    },
+    /// An input that does not exist.
+    #[error("no input is called {name:?}; known are {known}")]
+    Input {
+        /// The name asked for.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// A number of the configuration is out of its range.
+    #[error("{name} is {value}, must be {range}")]
+    Config {
+        /// The field.
+        name: &'static str,
+        /// What it was set to.
+        value: String,
+        /// What is allowed.
+        range: &'static str,
+    },
+}

@@ -1,0 +1,106 @@
+//! C += Aᵀ B over the rows of a tile, the one dense kernel of the trainer.
+//!
+//! A is `[rows, lda]`, B is `[rows, ldb]`, C is `[m, ldc]`, all row-major. The entry C(i, j)
+//! is summed over the rows in their order, whatever the instruction set's block is.
+
+use crate::simd::fma;
+use multiversion::multiversion;
+use multiversion::target::target_cfg_f;
+
+/// Columns of A are padded to a multiple of this.
+pub const PAD_A: usize = 8;
+/// Columns of B are padded to a multiple of this.
+pub const PAD_B: usize = 24;
+
+/// C += Aᵀ B. `lda` and `ldc`'s row count are multiples of [`PAD_A`], `ldb` of [`PAD_B`];
+/// `ldc` equals `ldb`. Columns beyond the used ones may hold any finite values.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512dq+avx512vl+fma",
+    "x86_64+avx2+fma",
+    "aarch64+neon"
+))]
+pub fn accumulate(a: &[f64], lda: usize, b: &[f64], ldb: usize, c: &mut [f64]) {
+    if target_cfg_f!(target_feature = "avx512f") {
+        blocks_8_24::<true>(a, lda, b, ldb, c);
+    } else if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
+        blocks_4_8::<true>(a, lda, b, ldb, c);
+    } else {
+        blocks_4_8::<false>(a, lda, b, ldb, c);
+    }
+}
+
+/// One row of a block of accumulators.
+#[inline(always)]
+fn row<const N: usize, const FMA: bool>(mut sum: [f64; N], x: f64, y: &[f64; N]) -> [f64; N] {
+    for j in 0..N {
+        sum[j] = fma::<FMA>(x, y[j], sum[j]);
+    }
+    sum
+}
+
+/// C in blocks of `$m` x `$n` accumulators that stay in registers while the rows go by.
+/// Each row of a block is a variable of its own: as one array of arrays they end up in memory,
+/// thirty times slower.
+macro_rules! blocks {
+    ($name:ident, $m:literal, $n:literal, $($i:literal $sum:ident),*) => {
+        #[inline(always)]
+        pub(crate) fn $name<const FMA: bool>(
+            a: &[f64],
+            lda: usize,
+            b: &[f64],
+            ldb: usize,
+            c: &mut [f64],
+        ) {
+            for at_b in (0..ldb).step_by($n) {
+                for at_a in (0..lda).step_by($m) {
+                    $(let mut $sum = [0.0; $n];)*
+                    for (x, y) in a.chunks_exact(lda).zip(b.chunks_exact(ldb)) {
+                        let (Some(x), Some(y)) =
+                            (x[at_a..].first_chunk::<$m>(), y[at_b..].first_chunk::<$n>())
+                        else {
+                            return;
+                        };
+                        $($sum = row::<$n, FMA>($sum, x[$i], y);)*
+                    }
+                    $(for (c, s) in c[(at_a + $i) * ldb + at_b..][..$n].iter_mut().zip(&$sum) {
+                        *c += s;
+                    })*
+                }
+            }
+        }
+    };
+}
+
+blocks!(blocks_8_24, 8, 24, 0 s0, 1 s1, 2 s2, 3 s3, 4 s4, 5 s5, 6 s6, 7 s7);
+blocks!(blocks_4_8, 4, 8, 0 s0, 1 s1, 2 s2, 3 s3);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The dispatched kernel, the plain one and a triple loop; integers, so exactly equal.
+    #[test]
+    fn equals_the_triple_loop() {
+        for (rows, lda, ldb) in [(1, 8, 24), (5, 16, 48), (128, 24, 72), (0, 8, 24)] {
+            let a: Vec<f64> = (0..rows * lda)
+                .map(|i| ((i * 7) % 19) as f64 - 9.0)
+                .collect();
+            let b: Vec<f64> = (0..rows * ldb)
+                .map(|i| ((i * 5) % 23) as f64 - 11.0)
+                .collect();
+            let mut expected = vec![1.0; lda * ldb];
+            for r in 0..rows {
+                for i in 0..lda {
+                    for j in 0..ldb {
+                        expected[i * ldb + j] += a[r * lda + i] * b[r * ldb + j];
+                    }
+                }
+            }
+            for kernel in [accumulate, blocks_4_8::<false>, blocks_8_24::<false>] {
+                let mut c = vec![1.0; lda * ldb];
+                kernel(&a, lda, &b, ldb, &mut c);
+                assert_eq!(c, expected);
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Levenberg-Marquardt steps on the normal equations of any sum of squares.
+//!
+//! Levenberg 1944; Marquardt 1963; Hagan, Menhaj 1994 (for nets); Moré 1978 (scaling);
+//! Nielsen 1999, Madsen, Nielsen, Tingleff 2004 (damping by the gain ratio);
+//! Transtrum, Sethna 2012 (geodesic acceleration).
+//!
+//! Minimised is F(w) = D(w) + α‖w‖², D = Σ s² r². With A = JᵀWJ and g = JᵀWr + α w the step
+//! solves (A + α I + μ S) δ = −g and the model promises to lower F by δᵀ(μ S δ − g).
+
+use crate::blocks::Normal;
+use crate::linalg::Cholesky;
+use serde::{Deserialize, Serialize};
+
+/// A sum of squares D(w) = Σ s² r(w)², with derivatives.
+pub trait Problem {
+    /// How many parameters.
+    fn parameters(&self) -> usize;
+
+    /// D(w) under the weights s that the last [`Problem::linearise`] fixed.
+    fn cost(&mut self, w: &[f64]) -> f64;
+
+    /// Fixes the weights s at w where they depend on it, fills JᵀWJ and JᵀWr, returns D(w).
+    fn linearise(&mut self, w: &[f64], normal: &mut Normal) -> f64;
+
+    /// JᵀW r'' into `out`, r'' the second derivative of r along v; false where not supported.
+    fn curvature(&mut self, _w: &[f64], _v: &[f64], _out: &mut [f64]) -> bool {
+        false
+    }
+}
+
+/// The matrix S that the damping multiplies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Scaling {
+    /// S = I.
+    Identity,
+    /// S = the largest diagonal of A seen so far (Moré 1978).
+    More,
+    /// S = diagonal of A, at least `floor` times its largest entry.
+    Clamped {
+        /// Smallest share of the largest entry.
+        floor: f64,
+    },
+    /// S = diagonal of A (Marquardt 1963). A saturated unit has a zero diagonal and thus no
+    /// damping: kept to show that.
+    Marquardt,
+}
+
+/// Why a fit ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Stop {
+    /// No row to train on.
+    NoRows,
+    /// The target, or every input, is constant: the model is a constant.
+    Constant,
+    /// The gradient vanished.
+    Gradient,
+    /// The step became smaller than the parameters can show.
+    Step,
+    /// The cost stopped falling.
+    Cost,
+    /// Validation has not improved for the set number of iterations.
+    Validation,
+    /// The error sought has been reached.
+    Target,
+    /// The set number of iterations is used up.
+    Iterations,
+    /// No damping up to the largest gave a lower cost.
+    Damping,
+    /// The cost at the start is not finite.
+    NotFinite,
+}
+
+/// How to step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LmConfig {
+    /// First damping, as a share of the largest diagonal of S⁻¹A.
+    pub tau: f64,
+    /// Damping beyond which the fit gives up, as a multiple of the same.
+    pub damping_max: f64,
+    /// The matrix that the damping multiplies.
+    pub scaling: Scaling,
+    /// Largest ratio of acceleration to velocity, 2‖a‖/‖v‖ ≤ this; 0 turns acceleration off.
+    pub acceleration: f64,
+    /// Stop where ‖g‖∞ is below this times the larger of 1 and F.
+    pub gradient: f64,
+    /// Stop where ‖δ‖ ≤ this (‖w‖ + this).
+    pub step: f64,
+    /// Stop where F falls by less than this share.
+    pub cost: f64,
+}
+
+impl Default for LmConfig {
+    fn default() -> LmConfig {
+        LmConfig {
+            tau: 1e-3,
+            damping_max: 1e12,
+            scaling: Scaling::Identity,
+            acceleration: 0.0,
+            gradient: 1e-12,
+            step: 1e-12,
+            cost: 1e-10,
+        }
+    }
+}
+
+/// What an accepted step did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// F before, under the weights fixed for this step.
+    pub before: f64,
+    /// F after, under the same weights.
+    pub after: f64,
+    /// D after.
+    pub data: f64,
+    /// Gain ratio.
+    pub gain: f64,
+    /// Damping tried before one was accepted.
+    pub tries: usize,
+}
+
+/// The state that goes from one step to the next.
+#[derive(Clone, Debug)]
+pub struct Levenberg {
+    /// How to step.
+    pub config: LmConfig,
+    /// Damping μ; set at the first step.
+    pub mu: f64,
+    /// Normal equations at the last linearisation.
+    pub normal: Normal,
+    nu: f64,
+    largest: f64,
+    scale: Vec<f64>,
+    factor: Cholesky,
+}
+
+impl Levenberg {
+    /// Before the first step of a problem with `n` parameters.
+    pub fn new(n: usize, config: LmConfig) -> Levenberg {
+        Levenberg {
+            config,
+            mu: 0.0,
+            normal: Normal::zeros(n),
+            nu: 2.0,
+            largest: 0.0,
+            scale: vec![0.0; n],
+            factor: Cholesky::default(),
+        }
+    }
+
+    /// One accepted step from `w`, which it moves; or the reason why there is none.
+    pub fn step(
+        &mut self,
+        problem: &mut impl Problem,
+        w: &mut [f64],
+        alpha: f64,
+    ) -> Result<Step, Stop> {
+        let data = problem.linearise(w, &mut self.normal);
+        let before = data + alpha * squared(w);
+        if !before.is_finite() {
+            return Err(Stop::NotFinite);
+        }
+        let g: Vec<f64> = (self.normal.gradient.iter().zip(w.iter()))
+            .map(|(g, w)| g + alpha * w)
+            .collect();
+        if largest(&g) <= self.config.gradient * before.max(f64::MIN_POSITIVE) {
+            return Err(Stop::Gradient);
+        }
+        self.rescale();
+        for tries in 1.. {
+            if self.mu > self.config.damping_max * self.largest {
+                return Err(Stop::Damping);
+            }
+            let Some((delta, promised)) = self.propose(problem, w, &g, alpha) else {
+                self.raise();
+                continue;
+            };
+            if squared(&delta).sqrt() <= self.config.step * (squared(w).sqrt() + self.config.step) {
+                return Err(Stop::Step);
+            }
+            let trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
+            let data = problem.cost(&trial);
+            let after = data + alpha * squared(&trial);
+            let gain = (before - after) / promised;
+            if !(after.is_finite() && after < before && gain > 0.0) {
+                self.raise();
+                continue;
+            }
+            w.copy_from_slice(&trial);
+            self.lower(gain);
+            return Ok(Step {
+                before,
+                after,
+                data,
+                gain,
+                tries,
+            });
+        }
+        Err(Stop::Damping)
+    }
+
+    /// Refreshes S, and sets μ at the first step.
+    fn rescale(&mut self) {
+        let n = self.normal.n;
+        let diagonal = |i: usize| self.normal.matrix[i * n + i];
+        let top = (0..n).map(diagonal).fold(0.0, f64::max);
+        for i in 0..n {
+            let d = diagonal(i);
+            self.scale[i] = match self.config.scaling {
+                Scaling::Identity => 1.0,
+                Scaling::More => self.scale[i].max(d),
+                Scaling::Clamped { floor } => d.max(floor * top),
+                Scaling::Marquardt => d,
+            };
+        }
+        if self.largest == 0.0 {
+            self.largest = match self.config.scaling {
+                Scaling::Identity => top.max(f64::MIN_POSITIVE),
+                _ => 1.0,
+            };
+            self.mu = self.config.tau * self.largest;
+        }
+        if self.config.scaling == Scaling::More {
+            // A column that has been zero so far must still be damped.
+            for s in &mut self.scale {
+                if *s == 0.0 {
+                    *s = 1.0;
+                }
+            }
+        }
+    }
+
+    /// The step for the damping in force and the fall in F that the model promises.
+    fn propose(
+        &mut self,
+        problem: &mut impl Problem,
+        w: &[f64],
+        g: &[f64],
+        alpha: f64,
+    ) -> Option<(Vec<f64>, f64)> {
+        let add: Vec<f64> = self.scale.iter().map(|s| alpha + self.mu * s).collect();
+        self.factor.factor(&self.normal.matrix, &add).ok()?;
+        let mut v: Vec<f64> = g.iter().map(|g| -g).collect();
+        self.factor.solve(&mut v).ok()?;
+        let promised: f64 = (v.iter().zip(g).zip(&self.scale))
+            .map(|((v, g), s)| v * (self.mu * s * v - g))
+            .sum();
+        if promised <= 0.0 || !promised.is_finite() {
+            return None;
+        }
+        if self.config.acceleration > 0.0 {
+            self.accelerate(problem, w, &mut v)?;
+        }
+        Some((v, promised))
+    }
+
+    /// v ← v + a / 2 where the second-order correction a is small enough, else no step.
+    fn accelerate(&self, problem: &mut impl Problem, w: &[f64], v: &mut [f64]) -> Option<()> {
+        let mut a = vec![0.0; v.len()];
+        if !problem.curvature(w, v, &mut a) {
+            return Some(());
+        }
+        a.iter_mut().for_each(|a| *a = -*a);
+        self.factor.solve(&mut a).ok()?;
+        if 2.0 * squared(&a).sqrt() > self.config.acceleration * squared(v).sqrt() {
+            return None;
+        }
+        for (v, a) in v.iter_mut().zip(&a) {
+            *v += 0.5 * a;
+        }
+        Some(())
+    }
+
+    fn raise(&mut self) {
+        self.mu = (self.mu * self.nu).max(f64::MIN_POSITIVE);
+        self.nu *= 2.0;
+    }
+
+    fn lower(&mut self, gain: f64) {
+        self.mu *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+        self.nu = 2.0;
+    }
+}
+
+/// Σ w².
+pub(crate) fn squared(w: &[f64]) -> f64 {
+    w.iter().map(|w| w * w).sum()
+}
+
+fn largest(w: &[f64]) -> f64 {
+    w.iter().fold(0.0, |m, w| m.max(w.abs()))
+}

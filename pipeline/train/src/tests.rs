@@ -1,0 +1,92 @@
+//! The structured normal equations against a dense Jacobian, and whole fits.
+
+use crate::blocks::Normal;
+use crate::lm::Problem;
+use crate::made_up::{self, RandomRows};
+use crate::problem::{Loss, NetProblem};
+use rrf_field::net::{self, Shape};
+
+/// JᵀWJ, JᵀWr and D with J formed column by column from dual numbers.
+fn dense(shape: &Shape, w: &[f64], rows: &RandomRows, floor: f64) -> (Normal, f64) {
+    let n = w.len();
+    let (mut normal, mut cost) = (Normal::zeros(n), 0.0);
+    for row in 0..rows.rows {
+        let (x, target, gain, base) = rows.row(row, shape.sizes[0]);
+        let out = net::evaluate(shape, w, &x);
+        let lum: f64 = base + (0..3).map(|c| gain[c] * out[c]).sum::<f64>() / 3.0;
+        let columns: Vec<Vec<f64>> = (0..n)
+            .map(|i| {
+                let mut e = vec![0.0; n];
+                e[i] = 1.0;
+                made_up::derivative(shape, w, &e, &x).1
+            })
+            .collect();
+        for c in 0..3 {
+            let s = gain[c] / lum.max(floor);
+            let r = s * (out[c] - target[c]);
+            cost += r * r;
+            for i in 0..n {
+                normal.gradient[i] += s * columns[i][c] * r;
+                for j in 0..n {
+                    normal.matrix[i * n + j] += s * s * columns[i][c] * columns[j][c];
+                }
+            }
+        }
+    }
+    (normal, cost)
+}
+
+fn close(a: &[f64], b: &[f64], tolerance: f64) {
+    let size = b.iter().fold(0.0f64, |m, b| m.max(b.abs()));
+    for (i, (a, b)) in a.iter().zip(b).enumerate() {
+        assert!(
+            (a - b).abs() <= tolerance * size,
+            "{i}: {a} {b}, size {size}"
+        );
+    }
+}
+
+#[test]
+fn structured_equals_dense() {
+    let shapes: [&[usize]; 5] = [&[5, 3], &[3, 4, 3], &[7, 9, 6, 3], &[1, 1, 1, 3], &[0, 3]];
+    for sizes in shapes {
+        let shape = Shape {
+            sizes: sizes.to_vec(),
+        };
+        let w = made_up::weights(&shape, 3, 0.8);
+        for count in [1, 2, 128, 131, 300] {
+            let rows = RandomRows {
+                seed: 5,
+                rows: count,
+            };
+            let mut problem = NetProblem::new(&shape, &rows, Loss::Relative { floor: 1.3 });
+            let mut normal = Normal::zeros(w.len());
+            let cost = problem.linearise(&w, &mut normal);
+            let (expected, expected_cost) = dense(&shape, &w, &rows, 1.3);
+            close(&normal.matrix, &expected.matrix, 1e-12);
+            close(&normal.gradient, &expected.gradient, 1e-12);
+            close(&[cost, problem.cost(&w)], &[expected_cost; 2], 1e-12);
+        }
+    }
+}
+
+/// The dual numbers against central differences of the plain evaluation: an independent check
+/// of the reference itself. Error of a central difference: h² f'''/6 + ulp/h, about 1e-9 here.
+#[test]
+fn dual_numbers_equal_central_differences() {
+    let shape = Shape {
+        sizes: vec![4, 6, 5, 3],
+    };
+    let w = made_up::weights(&shape, 1, 1.0);
+    let v = made_up::weights(&shape, 2, 1.0);
+    let x = [0.3, -1.2, 0.8, 0.1];
+    let h = 1e-5;
+    let at = |t: f64| -> Vec<f64> {
+        let moved: Vec<f64> = w.iter().zip(&v).map(|(w, v)| w + t * v).collect();
+        net::evaluate(&shape, &moved, &x)
+    };
+    let (_, slope) = made_up::derivative(&shape, &w, &v, &x);
+    for (c, (a, b)) in at(h).iter().zip(at(-h)).enumerate() {
+        assert!(((a - b) / (2.0 * h) - slope[c]).abs() < 1e-8);
+    }
+}
