@@ -8,6 +8,7 @@
 mod error;
 mod load;
 mod options;
+mod pbrt;
 mod scene;
 
 pub use error::SceneError;

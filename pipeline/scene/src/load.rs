@@ -1,6 +1,6 @@
 //! One entry for every scene format.
 
-use crate::{LoadOptions, Scene, SceneError};
+use crate::{LoadOptions, Scene, SceneError, pbrt};
 use std::path::Path;
 
 /// Reads a scene file; the ending chooses the format: `.pbrt`, `.gltf`, `.glb`, `.obj`.
@@ -11,11 +11,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let ending = path
         .extension()
         .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    let _ = options;
     match ending.as_deref() {
-        // "pbrt" => pbrt::read(path, options)?,
-        // "gltf" | "glb" => gltf::read(path, options)?,
-        // "obj" => obj::read(path, options)?,
+        Some("pbrt") => pbrt::read(path, options),
+        // Some("gltf" | "glb") => gltf::read(path, options),
+        // Some("obj") => obj::read(path, options),
         _ => Err(SceneError::UnknownFormat {
             path: path.to_path_buf(),
         }),
