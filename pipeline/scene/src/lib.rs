@@ -10,6 +10,7 @@ mod file;
 mod gltf;
 mod load;
 mod options;
+mod pbrt;
 mod scene;
 mod texture;
 mod warn;

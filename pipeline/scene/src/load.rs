@@ -1,6 +1,6 @@
 //! One entry for every scene format.
 
-use crate::{LoadOptions, Scene, SceneError};
+use crate::{LoadOptions, Scene, SceneError, gltf, pbrt};
 use std::path::Path;
 
 /// Reads a scene file; the ending chooses the format: `.pbrt`, `.gltf`, `.glb`, `.obj`.
@@ -12,9 +12,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
         .extension()
         .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     match ending.as_deref() {
-        // "pbrt" => pbrt::read(path, options)?,
-        // "obj" => obj::read(path, options)?,
-        Some("gltf" | "glb") => crate::gltf::read(path, options),
+        Some("pbrt") => pbrt::read(path, options),
+        Some("gltf" | "glb") => gltf::read(path, options),
         _ => Err(SceneError::UnknownFormat {
             path: path.to_path_buf(),
         }),
