@@ -1,5 +1,7 @@
 //! The batched field against the scalar net in f64.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{Numbers, model, rows, tree};

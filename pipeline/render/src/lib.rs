@@ -1,1 +1,16 @@
-//! Placeholder while the workspace is set up.
+//! Frames from a baked field, and how far they are from the truth.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod color;
+pub mod compare;
+mod convolve;
+mod error;
+pub mod exr;
+pub mod flip;
+mod frame;
+pub mod png;
+pub mod tone;
+
+pub use error::RenderError;
+pub use frame::{Frame, Picture, luminance};
