@@ -3,6 +3,7 @@
 use crate::candidates::{Proposal, accept};
 use crate::config::{Census, ExtractConfig, ExtractError};
 use crate::first_tree::grow;
+use crate::outlook::Lookout;
 use rrf_field::tree::{Domain, Tree};
 use rrf_scene::{MaterialKind, Scene};
 use rrf_trace::Tracer;
@@ -67,7 +68,8 @@ pub fn plan(scene: &Scene, tracer: &Tracer, config: &ExtractConfig) -> Result<Pl
         drawn: u64::from(config.candidates) * PATIENCE as u64,
         census,
     };
-    let proposal = Proposal::new(scene, tracer, Domain::ALL, config.light_box, seed)
+    let lookout = Lookout::new(scene, tracer);
+    let proposal = Proposal::new(scene, tracer, &lookout, Domain::ALL, config.light_box, seed)
         .ok_or_else(|| nothing(Census::default()))?;
     let drawn = accept(&proposal, config.candidates as usize, PATIENCE);
     if drawn.rows.is_empty() {
