@@ -7,13 +7,21 @@
 
 mod error;
 mod load;
+mod measure;
 mod options;
 mod pbrt;
 mod scene;
+mod summary;
+mod validate;
 
 pub use error::SceneError;
 pub use load::load;
+pub use measure::Bounds;
 pub use options::{LightUnits, LoadOptions};
 pub use scene::{
     AreaLight, Camera, INVALID, Material, MaterialKind, PointLight, Scene, Texture, Warning,
+};
+pub use summary::{
+    AreaLightSummary, CameraSummary, MaterialSummary, ObjectSummary, PointLightSummary, Summary,
+    TextureSummary,
 };
