@@ -9,15 +9,23 @@ mod error;
 mod file;
 mod gltf;
 mod load;
+mod measure;
 mod options;
 mod pbrt;
 mod scene;
+mod summary;
 mod texture;
+mod validate;
 mod warn;
 
 pub use error::SceneError;
 pub use load::load;
+pub use measure::Bounds;
 pub use options::{LightUnits, LoadOptions};
 pub use scene::{
     AreaLight, Camera, INVALID, Material, MaterialKind, PointLight, Scene, Texture, Warning,
+};
+pub use summary::{
+    AreaLightSummary, CameraSummary, MaterialSummary, ObjectSummary, PointLightSummary, Summary,
+    TextureSummary,
 };

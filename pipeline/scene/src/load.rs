@@ -1,5 +1,6 @@
 //! One entry for every scene format.
 
+use crate::validate::validate;
 use crate::{LoadOptions, Scene, SceneError, gltf, pbrt};
 use std::path::Path;
 
@@ -11,11 +12,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let ending = path
         .extension()
         .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    match ending.as_deref() {
+    let scene = match ending.as_deref() {
         Some("pbrt") => pbrt::read(path, options),
         Some("gltf" | "glb") => gltf::read(path, options),
         _ => Err(SceneError::UnknownFormat {
             path: path.to_path_buf(),
         }),
-    }
+    }?;
+    validate(scene)
 }
