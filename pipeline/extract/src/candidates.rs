@@ -72,7 +72,7 @@ impl<'a> Proposal<'a> {
         let area: Vec<f64> = triangles
             .iter()
             .map(|&t| {
-                sum += f64::from(scene.triangle_area(t as usize));
+                sum += scene.triangle_area(t as usize);
                 sum
             })
             .collect();

@@ -5,6 +5,7 @@ use crate::first_tree::Weights;
 use glam::Vec3;
 use rrf_field::columns;
 use rrf_field::tree::Domain;
+use rrf_scene::Bounds;
 use serde::{Deserialize, Serialize};
 
 /// An axis-aligned box of light positions, world frame.
@@ -117,6 +118,9 @@ pub enum ExtractError {
         /// What is wrong and what would be right.
         message: String,
     },
+    /// The scene has no surface.
+    #[error("the scene has no triangles: there is no surface to light")]
+    NoTriangle,
     /// No surface point is fit to learn from.
     #[error(
         "no usable row among {drawn} candidates ({census:?}): check the light box and that the surfaces face the room"
@@ -144,7 +148,7 @@ pub enum ExtractError {
 
 impl ExtractConfig {
     /// Checks the settings against each other and the scene's bounds.
-    pub fn validate(&self, bounds: (Vec3, Vec3)) -> Result<(), ExtractError> {
+    pub fn validate(&self, bounds: &Bounds) -> Result<(), ExtractError> {
         let bad = |message: String| {
             Err(ExtractError::LightBox {
                 light_box: self.light_box,
@@ -158,10 +162,10 @@ impl ExtractConfig {
         if (0..3).any(|i| low[i] > high[i]) {
             return bad("the first corner has to be the smaller one on every axis".into());
         }
-        if (0..3).any(|i| high[i] < bounds.0[i] || low[i] > bounds.1[i]) {
+        if (0..3).any(|i| high[i] < bounds.min[i] || low[i] > bounds.max[i]) {
             return bad(format!(
-                "lies outside the scene, whose bounds are {} to {}: a light there is no light of the scene",
-                bounds.0, bounds.1
+                "lies outside the scene, whose bounds are {:?} to {:?}: a light there is no light of the scene",
+                bounds.min, bounds.max
             ));
         }
         if self.paths < 2 || !self.paths.is_multiple_of(2) {

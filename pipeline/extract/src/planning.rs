@@ -61,8 +61,8 @@ const PATIENCE: usize = 16;
 
 /// Draws candidates over the whole scene and grows the first tree.
 pub fn plan(scene: &Scene, tracer: &Tracer, config: &ExtractConfig) -> Result<Plan, ExtractError> {
-    let bounds = scene.bounds();
-    config.validate(bounds)?;
+    let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
+    config.validate(&bounds)?;
     let seed = cell_seed(config.seed, WHOLE_SCENE);
     let nothing = |census: Census| ExtractError::NoRow {
         drawn: u64::from(config.candidates) * PATIENCE as u64,
@@ -75,7 +75,7 @@ pub fn plan(scene: &Scene, tracer: &Tracer, config: &ExtractConfig) -> Result<Pl
     if drawn.rows.is_empty() {
         return Err(nothing(drawn.census));
     }
-    let diagonal = (bounds.1 - bounds.0).length();
+    let diagonal = bounds.diagonal();
     let fewest = (drawn.rows.len() / (config.cells as usize * 16)).max(8);
     let tree = grow(&drawn.rows, diagonal, config.weights, config.cells, fewest);
     let mut counts = vec![0u64; tree.cells()];

@@ -93,8 +93,9 @@ impl Facts {
 
 /// Corner ids by position rather than by vertex: vertices on one spot become one.
 fn weld(scene: &Scene) -> Vec<[u32; 3]> {
-    let (low, high) = scene.bounds();
-    let cell = ((high - low).length() * WELD).max(f32::MIN_POSITIVE);
+    let bounds = scene.bounds();
+    let low = bounds.map_or(Vec3::ZERO, |b| b.min.into());
+    let cell = (bounds.map_or(0.0, |b| b.diagonal()) * WELD).max(f32::MIN_POSITIVE);
     let mut grid: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     let mut spots: Vec<Vec3> = Vec::new();
     let of: Vec<u32> = scene

@@ -21,7 +21,8 @@ impl Default for LoadOptions {
 /// Units of the intensities in a glTF file, named as in Blender's exporter.
 ///
 /// A Blender point light of 100 W is written as 5435 (`Spec`), 7.96 (`Compat`) or 100 (`Raw`).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum LightUnits {
     /// As KHR_lights_punctual says: candela, with 683 lm/W.
     #[default]

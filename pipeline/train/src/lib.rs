@@ -27,6 +27,12 @@ pub mod problem;
 pub mod simd;
 pub mod tile;
 
+pub use config::TrainConfig;
+pub use error::TrainError;
+pub use fit::{CellFit, CellMetrics, FitReport, fit_cell};
+pub use halves::ErrorEstimate;
+pub use lm::Stop;
+
 #[cfg(test)]
 mod made_up;
 #[cfg(test)]
