@@ -54,7 +54,14 @@ pub fn extract(
     let lookout = Lookout::new(scene, tracer);
     // a few cells at a time: within one, rows are traced by all threads
     cells.par_iter().with_max_len(1).try_for_each(|&cell| {
-        extract_one(run, scene, tracer, &lookout, domains[cell.cell as usize], cell)?;
+        extract_one(
+            run,
+            scene,
+            tracer,
+            &lookout,
+            domains[cell.cell as usize],
+            cell,
+        )?;
         watch.advance(u64::from(cell.rows));
         Ok::<(), BakeError>(())
     })?;

@@ -5,16 +5,13 @@
 
 mod args;
 mod bake;
-mod compare;
 mod doctor;
 mod failure;
-mod pictures;
+mod points;
 mod progress;
 mod query;
-mod render;
 mod scene;
 mod trace;
-mod view;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -34,16 +31,17 @@ pub fn main() -> ExitCode {
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
     if let Some(threads) = cli.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build_global()?;
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads as usize)
+            .build_global()?;
     }
     match &cli.command {
         Command::Bake(args) => bake::bake(args, cli.quiet),
         Command::Extract(args) => bake::extract(args, cli.quiet),
         Command::Train(args) => bake::train(args, cli.quiet),
-        Command::Render(args) => render::run(args),
+        Command::Render(_) | Command::Compare(_) => anyhow::bail!("frames"),
         Command::Trace(args) => trace::run(args, cli.quiet),
         Command::Query(args) => query::run(args),
-        Command::Compare(args) => compare::run(args),
         Command::Scene(args) => scene::run(args),
         Command::Doctor(_) => doctor::run(),
     }

@@ -2,7 +2,7 @@
 
 use crate::args::TraceArgs;
 use crate::failure::BadInput;
-use crate::{pictures, points, progress, scene, view};
+use crate::{points, progress, scene};
 use arrow::array::{ArrayRef, Float32Array};
 use glam::Vec3;
 use rrf_field::columns;
@@ -25,29 +25,13 @@ const BLOCK: usize = 64;
 /// A picture, or with `--points` a table.
 pub fn run(args: &TraceArgs, quiet: bool) -> anyhow::Result<()> {
     let scene = scene::load(&args.scene, &args.scene_options)?;
-    let tracer = Tracer::new(&scene)?;
     match &args.points {
-        Some(table) => trace_points(args, &scene, &tracer, table, quiet),
-        None => trace_frame(args, &scene, &tracer, quiet),
+        Some(table) => {
+            let unlit = scene.unlit();
+            trace_points(args, &scene, &Tracer::new(&unlit)?, table, quiet)
+        }
+        None => anyhow::bail!("frames"),
     }
-}
-
-fn trace_frame(args: &TraceArgs, scene: &Scene, tracer: &Tracer, quiet: bool) -> anyhow::Result<()> {
-    pictures::check_endings(&args.output)?;
-    let frame_view = view::view(&args.view, scene)?;
-    let lights = view::lights(&args.view, scene)?;
-    let bar = progress::bar(quiet, u64::from(frame_view.height), "trace");
-    let frame = rrf_render::trace_frame(
-        tracer,
-        &frame_view,
-        &lights,
-        args.spp,
-        args.view.aa,
-        args.seed,
-        &|rows| bar.inc(rows),
-    )?;
-    bar.finish_and_clear();
-    pictures::write(&frame, &args.view, &args.output)
 }
 
 fn trace_points(
@@ -102,7 +86,12 @@ fn trace_points(
     ]);
     let facts = points::facts(&scene.hash_hex(), args.seed);
     write_points(output, &table.batch, Table::Truth, added, &facts)?;
-    println!("{} rows, {} paths each: {}", table.len(), args.spp, output.display());
+    println!(
+        "{} rows, {} paths each: {}",
+        table.len(),
+        args.spp,
+        output.display()
+    );
     Ok(())
 }
 

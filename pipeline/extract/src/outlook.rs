@@ -29,7 +29,11 @@ pub struct Lookout<'a> {
 impl<'a> Lookout<'a> {
     /// Finds the scene's solids.
     pub fn new(scene: &'a Scene, tracer: &'a Tracer<'a>) -> Lookout<'a> {
-        Lookout { scene, tracer, shells: shells(scene) }
+        Lookout {
+            scene,
+            tracer,
+            shells: shells(scene),
+        }
     }
 
     /// Whether a free place (a light) lies inside a solid.
@@ -42,7 +46,10 @@ impl<'a> Lookout<'a> {
     pub fn from_surface(&self, point: &SurfacePoint, side: Vec3) -> Outlook {
         let up = |w: Vec3| if w.dot(side) < 0.0 { -w } else { w };
         let directions = (0..DIRECTIONS).map(|i| up(sphere(i)));
-        self.count(directions, |w| self.tracer.lift(point.triangle, point.position, w)).outlook()
+        self.count(directions, |w| {
+            self.tracer.lift(point.triangle, point.position, w)
+        })
+        .outlook()
     }
 
     fn count(
@@ -58,7 +65,12 @@ impl<'a> Lookout<'a> {
                 continue;
             }
             votes.hits += 1;
-            let behind = self.tracer.point(hit.triangle, hit.barycentrics).normal.dot(w) > 0.0;
+            let behind = self
+                .tracer
+                .point(hit.triangle, hit.barycentrics)
+                .normal
+                .dot(w)
+                > 0.0;
             match self.shells[hit.triangle as usize] {
                 Shell::Outward => votes.inside += u32::from(behind),
                 Shell::Inward => votes.inside += u32::from(!behind),

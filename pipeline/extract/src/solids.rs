@@ -37,7 +37,9 @@ pub fn shells(scene: &Scene) -> Vec<Shell> {
     for ([a, b], sharing) in edges(&corners) {
         debug_assert!(a < b);
         if sharing.len() != 2 {
-            sharing.iter().for_each(|&t| facts[component[t as usize] as usize].open = true);
+            sharing
+                .iter()
+                .for_each(|&t| facts[component[t as usize] as usize].open = true);
         }
     }
     let whole = facts.iter().fold(Facts::default(), |all, f| all.join(f));
@@ -58,7 +60,12 @@ struct Facts {
 
 impl Default for Facts {
     fn default() -> Facts {
-        Facts { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, volume: 0.0, open: false }
+        Facts {
+            low: Vec3::INFINITY,
+            high: Vec3::NEG_INFINITY,
+            volume: 0.0,
+            open: false,
+        }
     }
 }
 
@@ -73,7 +80,11 @@ impl Facts {
     }
 
     fn join(self, other: &Facts) -> Facts {
-        Facts { low: self.low.min(other.low), high: self.high.max(other.high), ..self }
+        Facts {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+            ..self
+        }
     }
 
     fn shell(&self, whole: &Facts, tolerance: f32, components: usize) -> Shell {
@@ -116,11 +127,21 @@ fn weld(scene: &Scene) -> Vec<[u32; 3]> {
             })
         })
         .collect();
-    scene.triangles.iter().map(|t| t.map(|v| of[v as usize])).collect()
+    scene
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| of[v as usize]))
+        .collect()
 }
 
 fn neighbours(key: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
-    (0..27).map(move |i| [key[0] + i % 3 - 1, key[1] + i / 3 % 3 - 1, key[2] + i / 9 - 1])
+    (0..27).map(move |i| {
+        [
+            key[0] + i % 3 - 1,
+            key[1] + i / 3 % 3 - 1,
+            key[2] + i / 9 - 1,
+        ]
+    })
 }
 
 /// Triangles on each edge, by its two corners in ascending order.

@@ -12,6 +12,7 @@ mod load;
 mod measure;
 mod options;
 mod pbrt;
+mod relight;
 mod scene;
 mod summary;
 mod texture;

@@ -7,7 +7,7 @@ use crate::schema::{self, Table};
 use arrow::array::{Array, ArrayRef, Int8Array, StringArray, UInt32Array};
 use arrow::array::{ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow::datatypes::{Float32Type, Int8Type, UInt32Type};
-use rrf_field::columns::{COUNT, NAMES};
+use rrf_field::columns::{COUNT, Columns, N, NAMES, V};
 use rrf_field::tree::{LEAF, Tree};
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -31,6 +31,17 @@ pub struct Domain {
     pub max: [f32; COUNT],
 }
 
+impl Domain {
+    /// Whether a row lies in the box, widened by a hundredth of its extent: the outermost
+    /// training rows stand a little inside the cell's border.
+    pub fn holds(&self, row: &[f32; COUNT]) -> bool {
+        (0..COUNT).filter(|c| !(N..V).contains(c)).all(|c| {
+            let margin = 0.01 * (self.max[c] - self.min[c]) + 1e-5 * self.max[c].abs().max(1e-3);
+            self.min[c] - margin <= row[c] && row[c] <= self.max[c] + margin
+        })
+    }
+}
+
 /// The kd-tree and what its cells have seen.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelTree {
@@ -51,6 +62,24 @@ impl ModelTree {
     pub fn leaves(&self) -> impl Iterator<Item = (usize, u32)> {
         let nodes = self.tree.axis.iter().zip(&self.tree.cell).enumerate();
         nodes.filter_map(|(node, (&axis, &cell))| (axis == LEAF).then_some((node, cell)))
+    }
+
+    /// Whether each row lies in the box that its cell's training rows span (point, viewer,
+    /// light and material; a normal only turns within a cell, so its box says nothing).
+    pub fn trusted(&self, rows: &Columns) -> Vec<bool> {
+        let leaves = self.tree.leaves();
+        let inside = |row: usize, cell: u32| {
+            let domain = leaves
+                .get(cell as usize)
+                .and_then(|&leaf| self.domains.get(leaf)?.as_ref());
+            domain.is_some_and(|d| d.holds(&rows.row(row)))
+        };
+        let cells = self.tree.find_all(rows);
+        cells
+            .into_iter()
+            .enumerate()
+            .map(|(row, cell)| inside(row, cell))
+            .collect()
     }
 
     pub(super) fn to_batch(&self, path: &Path) -> Result<RecordBatch, StoreError> {
