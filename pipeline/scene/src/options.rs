@@ -3,7 +3,8 @@
 /// Choices that a scene file leaves open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// Reflectance of a surface for which the file gives no material, in [0, 1].
+    /// Reflectance of a surface for which the file gives no material, in [0, 1]. pbrt has a
+    /// default of its own, 0.5.
     pub default_albedo: f32,
     /// What the numbers of glTF's point lights mean.
     pub light_units: LightUnits,

@@ -114,8 +114,7 @@ pub struct CameraSummary {
     pub forward: [f32; 3],
     /// Unit up direction.
     pub up: [f32; 3],
-    /// The picture is a mirror image of the world: right, up, forward are left-handed when
-    /// seen from behind the eye.
+    /// The picture is a mirror image of the world: its right is against forward x up.
     pub mirrored: bool,
     /// Full angle of the shorter side [degrees].
     pub fov: f32,

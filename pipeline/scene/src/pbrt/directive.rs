@@ -45,9 +45,17 @@ impl Reader {
             return fault(place, format!("{word} must stand {side} WorldBegin"));
         }
         match word {
-            "Include" | "Import" => {
+            "Include" => {
                 let (name, _) = tokens.string("a file name")?;
                 self.include(&name, place)?;
+            }
+            "Import" => {
+                // Version 4: what the file does to the graphics state ends with it.
+                self.sees(Version::V4);
+                let (name, _) = tokens.string("a file name")?;
+                let before = self.state;
+                self.include(&name, place)?;
+                self.state = before;
             }
             "WorldBegin" => self.world_begin(place)?,
             "WorldEnd" => {

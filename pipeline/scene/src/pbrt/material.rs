@@ -590,13 +590,12 @@ impl Reader {
             roughness_metallic_texture: INVALID,
             normal_texture: draft.normal_texture,
         };
-        let same = self.scene.materials.iter().zip(&self.material_maps);
-        if let Some(known) = same
-            .into_iter()
-            .position(|(m, o)| *m == material && *o == map)
-        {
-            return Ok(known as u32);
+        let key = format!("{material:?} {map:?}");
+        if let Some(&known) = self.known_materials.get(&key) {
+            return Ok(known);
         }
+        self.known_materials
+            .insert(key, self.scene.materials.len() as u32);
         self.scene.materials.push(material);
         self.material_maps.push(map);
         Ok(self.scene.materials.len() as u32 - 1)

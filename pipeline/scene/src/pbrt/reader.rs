@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 
 /// How deep files may include one another.
 const MAX_INCLUDE_DEPTH: usize = 32;
+/// How many files may be included, the same file counted each time.
+const MAX_INCLUDES: usize = 100_000;
 /// How much text all files together may have [bytes]: included again counts again.
 const MAX_TEXT: u64 = 8 << 30;
 
@@ -54,11 +56,14 @@ pub(super) struct Reader {
     pub recording: Option<Recording>,
     /// How each material maps texture coordinates, by material id.
     pub material_maps: Vec<super::texture::Mapping>,
+    /// Materials made so far, by all that they consist of.
+    pub known_materials: HashMap<String, u32>,
     pub default_surface: Option<u32>,
     /// Triangles made so far, in the scene and in objects.
     pub triangles_made: usize,
     pub film: Option<Film>,
     open: Vec<PathBuf>,
+    includes: usize,
     text_read: u64,
 }
 
@@ -85,10 +90,12 @@ impl Reader {
             objects: HashMap::new(),
             recording: None,
             material_maps: Vec::new(),
+            known_materials: HashMap::new(),
             default_surface: None,
             triangles_made: 0,
             film: None,
             open: Vec::new(),
+            includes: 0,
             text_read: 0,
         }
     }
@@ -110,13 +117,16 @@ impl Reader {
 
     /// Reads the scene's first file to its end and checks that all is closed.
     pub fn main_file(&mut self, path: &Path) -> Read<()> {
-        let file = self.files.id(path);
         let bytes = self.bytes(path).map_err(|source| {
-            Fault::Elsewhere(SceneError::Io {
-                path: path.to_path_buf(),
-                source,
-            })
+            let path = path.to_path_buf();
+            Fault::Elsewhere(SceneError::Io { path, source })
         })?;
+        self.main_text(path, &bytes)
+    }
+
+    /// The same for a file's content.
+    pub fn main_text(&mut self, path: &Path, bytes: &[u8]) -> Read<()> {
+        let file = self.files.id(path);
         let end = self.follow(path, file, bytes)?;
         self.check_closed(0)?;
         match (self.phase, self.version()) {
@@ -139,6 +149,13 @@ impl Reader {
                 format!("files include one another more than {MAX_INCLUDE_DEPTH} deep"),
             );
         }
+        self.includes += 1;
+        if self.includes > MAX_INCLUDES {
+            return fault(
+                place,
+                format!("more than {MAX_INCLUDES} files are included"),
+            );
+        }
         let path = self.beside(name, place);
         let unreadable = |source: std::io::Error| Fault::At {
             place,
@@ -151,13 +168,13 @@ impl Reader {
         let bytes = self.bytes(&path).map_err(unreadable)?;
         let file = self.files.id(&path);
         let blocks = self.saved.len();
-        self.follow(&path, file, bytes)?;
+        self.follow(&path, file, &bytes)?;
         self.check_closed(blocks)
     }
 
     /// Follows the text of one file; returns its end.
-    fn follow(&mut self, path: &Path, file: u32, bytes: Vec<u8>) -> Read<Place> {
-        let text = as_text(&bytes, file)?;
+    fn follow(&mut self, path: &Path, file: u32, bytes: &[u8]) -> Read<Place> {
+        let text = as_text(bytes, file)?;
         self.open
             .push(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()));
         let mut tokens = Tokens::new(text, file);

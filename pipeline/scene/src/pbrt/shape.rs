@@ -35,8 +35,11 @@ impl Reader {
             }
             _ => return fault(at, format!("unknown shape \"{kind}\"")),
         };
-        self.alpha(params)?;
+        let visible = self.visible(params)?;
         self.check_unused(params)?;
+        if !visible {
+            return Ok(());
+        }
         let Some(material) = self.material_of(self.state.surface) else {
             self.warn(
                 params.place,
@@ -73,17 +76,25 @@ impl Reader {
         }
     }
 
-    /// Cut-out maps are left out; a shape of alpha 0 everywhere is not there.
-    fn alpha(&mut self, params: &Params) -> Read<()> {
+    /// Cut-out maps are left out; whether the shape is there at all.
+    fn visible(&mut self, params: &Params) -> Read<bool> {
         for name in ["alpha", "shadowalpha"] {
-            if let Some(place) = params.place_of(name) {
-                self.warn(
+            let Some(place) = params.place_of(name) else {
+                continue;
+            };
+            match (name, self.float_texture(params, name)?) {
+                (_, Some(1.0)) => {}
+                ("alpha", Some(0.0)) => {
+                    self.warn(place, "a shape of \"alpha\" 0 is left out");
+                    return Ok(false);
+                }
+                _ => self.warn(
                     place,
                     format!("\"{name}\" is left out: the shape is opaque"),
-                );
+                ),
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Positions, normals and texture coordinates, with their counts checked.
