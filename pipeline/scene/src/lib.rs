@@ -6,13 +6,17 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod error;
+mod file;
+mod gltf;
 mod load;
 mod measure;
 mod options;
 mod pbrt;
 mod scene;
 mod summary;
+mod texture;
 mod validate;
+mod warn;
 
 pub use error::SceneError;
 pub use load::load;
