@@ -10,6 +10,7 @@ mod file;
 mod gltf;
 mod load;
 mod measure;
+mod obj;
 mod options;
 mod pbrt;
 mod relight;
