@@ -6,10 +6,15 @@
 
 use crate::TraceError;
 use crate::rng::Stream;
+use crate::sobol::Table;
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
-use glam::Vec3;
+use crate::wave::{Batch, Row, Wave};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+
+/// Paths that travel together: their columns stay in a core's own cache.
+const BATCH: usize = 1024;
 
 /// What to estimate: parallel columns of one length.
 #[derive(Clone, Copy, Debug)]
@@ -93,25 +98,63 @@ pub fn indirect(
     if replicates == 0 || paths == 0 || !paths.is_multiple_of(replicates) {
         return Err(TraceError::Paths { paths, replicates });
     }
-    let each = paths / replicates;
-    let mut values = vec![Vec3::ZERO; queries.points.len() * replicates as usize];
+    let each = (paths / replicates) as usize;
+    let rows = rows(&queries, replicates, first_index);
+    let table = Table::new(each);
+    let mut values = vec![Vec3::ZERO; rows.len()];
+    let at_once = (BATCH / each).max(1);
     values
-        .par_chunks_mut(replicates as usize)
-        .enumerate()
-        .for_each(|(query, row)| {
-            let index = first_index + query as u64;
-            for (replicate, value) in row.iter_mut().enumerate() {
-                let first = replicate as u32 * each;
-                let sum: Vec3 = (first..first + each)
-                    .map(|path| trace(tracer, &queries, query, stream, index, path))
-                    .sum();
-                *value = sum / each as f32;
-            }
-        });
+        .par_chunks_mut(at_once)
+        .zip(rows.par_chunks(at_once))
+        .for_each_init(
+            || Wave::new(tracer),
+            |wave, (values, rows)| {
+                let mut sums = vec![DVec3::ZERO; rows.len()];
+                for first_path in (0..each).step_by(BATCH) {
+                    let paths = BATCH.min(each - first_path);
+                    wave.run(&Batch {
+                        tracer,
+                        rows,
+                        paths,
+                        replicate_paths: each,
+                        first_path,
+                        stream,
+                        table: &table,
+                    });
+                    for (sum, paths) in sums.iter_mut().zip(wave.sums.chunks(paths)) {
+                        *sum += paths.iter().map(|v| v.as_dvec3()).sum::<DVec3>();
+                    }
+                }
+                for (value, sum) in values.iter_mut().zip(sums) {
+                    *value = (sum / each as f64).as_vec3();
+                }
+            },
+        );
     Ok(Estimates {
         replicates: replicates as usize,
         values,
     })
+}
+
+/// One row for every replicate of every query.
+fn rows(queries: &Queries, replicates: u32, first_index: u64) -> Vec<Row> {
+    let columns = queries
+        .points
+        .iter()
+        .zip(queries.viewers)
+        .zip(queries.lights);
+    columns
+        .enumerate()
+        .flat_map(|(query, ((&point, &viewer), &light))| {
+            (0..replicates).map(move |replicate| Row {
+                point,
+                viewer,
+                light,
+                index: first_index + query as u64,
+                replicate,
+            })
+        })
+        .collect()
 }
 
 impl Queries<'_> {
@@ -132,55 +175,4 @@ impl Queries<'_> {
         }
         Ok(())
     }
-}
-
-/// One path from a query.
-fn trace(
-    tracer: &Tracer,
-    queries: &Queries,
-    query: usize,
-    stream: Stream,
-    index: u64,
-    path: u32,
-) -> Vec3 {
-    let (mut at, mut v) = (queries.points[query], queries.viewers[query]);
-    let light = queries.lights[query];
-    let (mut sum, mut throughput) = (Vec3::ZERO, Vec3::ONE);
-    for bounce in 0u32.. {
-        let u = stream.units(index, path, bounce);
-        let (frame, bsdf) = (tracer.frame_at(&at, v), tracer.material_at(&at));
-        let local = frame.to_local(v);
-        if bounce > 0 {
-            let to = light - at.position;
-            let distance2 = to.length_squared();
-            let l = to / distance2.sqrt();
-            let value = bsdf.eval(local, frame.to_local(l));
-            if value != Vec3::ZERO {
-                let origin = tracer.lift(at.triangle, at.position, l);
-                if !tracer.occluded(origin, light - origin, 1.0) {
-                    sum += throughput * value / distance2;
-                }
-            }
-        }
-        let scatter = bsdf.sample(local, [u[0], u[1], u[2]]);
-        throughput *= scatter.weight;
-        if bounce > 2 {
-            let survival = throughput.max_element().min(0.95);
-            if u[3] >= survival {
-                break;
-            }
-            throughput /= survival;
-        }
-        if throughput == Vec3::ZERO {
-            break;
-        }
-        let l = frame.to_world(scatter.l);
-        let origin = tracer.lift(at.triangle, at.position, l);
-        let hit = tracer.closest(origin, l, f32::INFINITY);
-        let Some(next) = tracer.point_of(&hit) else {
-            break;
-        };
-        (at, v) = (next, -l);
-    }
-    sum
 }

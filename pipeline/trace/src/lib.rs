@@ -10,12 +10,18 @@
 pub mod bsdf;
 mod error;
 mod indirect;
+mod math;
+mod rays;
 pub mod rng;
+pub mod sobol;
 mod surface;
 mod tracer;
+mod wave;
+mod wide;
 
 pub use error::TraceError;
 pub use indirect::{Estimates, Queries, indirect};
+pub use rays::{Hits, Rays};
 pub use rng::Stream;
 pub use surface::{Frame, SurfacePoint};
-pub use tracer::{Hit, Tracer};
+pub use tracer::Tracer;

@@ -49,6 +49,12 @@ impl Stream {
         }
     }
 
+    /// The Philox key.
+    #[inline(always)]
+    pub(crate) fn key(&self) -> [u32; 2] {
+        self.key
+    }
+
     /// Four independent words for a sample `index`, one of its paths, and one block of
     /// that path's dimensions.
     #[inline(always)]

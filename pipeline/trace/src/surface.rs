@@ -1,10 +1,10 @@
 //! Where rays end: points, frames and materials on the scene's surface.
 
 use crate::bsdf::Bsdf;
-use crate::tracer::{Hit, Tracer};
+use crate::tracer::Tracer;
 use glam::{Vec2, Vec3};
 use obvhs::aabb::Aabb;
-use rrf_scene::INVALID;
+use rrf_scene::{INVALID, MaterialKind};
 
 /// A point on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +17,34 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Unit geometric normal (p1-p0) x (p2-p0), world frame.
     pub normal: Vec3,
+}
+
+/// A surface point as shading sees it: both normals on the viewer's side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vertex {
+    pub(crate) position: Vec3,
+    pub(crate) geometric: Vec3,
+    pub(crate) shading: Vec3,
+    /// How far rays start off the triangle, metres.
+    pub(crate) lift: f32,
+    pub(crate) bsdf: Bsdf,
+}
+
+impl Vertex {
+    /// Black, nowhere.
+    pub(crate) const NONE: Vertex = Vertex {
+        position: Vec3::ZERO,
+        geometric: Vec3::Z,
+        shading: Vec3::Z,
+        lift: 0.0,
+        bsdf: Bsdf {
+            kind: MaterialKind::Lambert,
+            base_color: Vec3::ZERO,
+            roughness: 1.0,
+            metallic: 0.0,
+            specular: 0.0,
+        },
+    };
 }
 
 /// Orthonormal axes at a surface point, right-handed: x by y is z, and z the normal.
@@ -77,12 +105,6 @@ impl Tracer<'_> {
         }
     }
 
-    /// The point that a ray met, or `None` for a miss.
-    pub fn point_of(&self, hit: &Hit) -> Option<SurfacePoint> {
-        hit.is_hit()
-            .then(|| self.point(hit.triangle, hit.barycentrics))
-    }
-
     /// A point uniform over the surface by area, from three numbers in [0, 1).
     /// Density 1 / [`Tracer::area`] with respect to area.
     pub fn sample_area(&self, u: [f32; 3]) -> SurfacePoint {
@@ -110,7 +132,7 @@ impl Tracer<'_> {
         self.bvh.aabb_traverse(around, |bvh, node| {
             let node = &bvh.nodes[node as usize];
             for slot in node.first_index..node.first_index + node.prim_count {
-                let id = self.ids[slot as usize];
+                let id = self.kept[bvh.primitive_indices[slot as usize] as usize];
                 let corners = self.corners_of(id);
                 let barycentrics = closest_barycentrics(corners, position);
                 let at = self.point(id, barycentrics);
@@ -131,41 +153,61 @@ impl Tracer<'_> {
         best.map(|(_, id, barycentrics)| self.point(id, barycentrics))
     }
 
-    /// Shading frame at a point for a viewer in direction `v`: z is the interpolated normal on
-    /// the viewer's geometric side; where that normal turns away from the viewer, the
-    /// geometric one serves.
-    #[inline]
-    pub fn frame_at(&self, point: &SurfacePoint, v: Vec3) -> Frame {
-        let front = point.normal.dot(v) >= 0.0;
-        let geometric = if front { point.normal } else { -point.normal };
-        let smooth = self.smooth_normal(point);
-        let shading = if smooth.dot(geometric) < 0.0 {
-            -smooth
-        } else {
-            smooth
-        };
-        Frame::new(if shading.dot(v) > 0.0 {
-            shading
-        } else {
-            geometric
-        })
+    /// Unit shading normal at a point for a viewer in direction `v`: the interpolated normal on
+    /// the viewer's geometric side; where that turns away from the viewer, the geometric one.
+    pub fn normal_at(&self, point: &SurfacePoint, v: Vec3) -> Vec3 {
+        self.vertex(point.triangle, point.barycentrics, v).shading
     }
 
     /// Material parameters at a point, textures looked up.
-    #[inline]
     pub fn material_at(&self, point: &SurfacePoint) -> Bsdf {
-        let material = self.scene.triangle_material[point.triangle as usize];
+        self.bsdf(point.triangle, point.barycentrics)
+    }
+
+    /// All that shading needs of a point seen from `v`.
+    #[inline(always)]
+    pub(crate) fn vertex(&self, triangle: u32, barycentrics: [f32; 2], v: Vec3) -> Vertex {
+        let [p0, p1, p2] = self.corners_of(triangle);
+        let [b1, b2] = barycentrics;
+        let outward = Vec3::from(self.normals[triangle as usize]);
+        let geometric = if outward.dot(v) < 0.0 {
+            -outward
+        } else {
+            outward
+        };
+        let mut shading = geometric;
+        if !self.flat[triangle as usize] {
+            let smooth = self.smooth_normal(triangle, barycentrics, outward);
+            let turned = if smooth.dot(geometric) < 0.0 {
+                -smooth
+            } else {
+                smooth
+            };
+            if turned.dot(v) > 0.0 {
+                shading = turned;
+            }
+        }
+        Vertex {
+            position: p0 + (p1 - p0) * b1 + (p2 - p0) * b2,
+            geometric,
+            shading,
+            lift: self.lifts[triangle as usize],
+            bsdf: self.bsdf(triangle, barycentrics),
+        }
+    }
+
+    #[inline(always)]
+    fn bsdf(&self, triangle: u32, _barycentrics: [f32; 2]) -> Bsdf {
+        let material = self.scene.triangle_material[triangle as usize];
         Bsdf::of(&self.scene.materials[material as usize])
     }
 
-    /// Interpolated unit normal, or the geometric one where the vertices have none.
-    #[inline]
-    fn smooth_normal(&self, point: &SurfacePoint) -> Vec3 {
-        let vertices = self.scene.triangles[point.triangle as usize];
+    /// Interpolated unit normal; the geometric one where the corners' cancel.
+    fn smooth_normal(&self, triangle: u32, [b1, b2]: [f32; 2], outward: Vec3) -> Vec3 {
+        let vertices = self.scene.triangles[triangle as usize];
         let [n0, n1, n2] = vertices.map(|v| self.scene.normals[v as usize]);
-        let [b1, b2] = point.barycentrics;
         let sum = n0 * (1.0 - b1 - b2) + n1 * b1 + n2 * b2;
-        sum.try_normalize().unwrap_or(point.normal)
+        sum.try_normalize().unwrap_or(outward)
     }
 
     #[inline(always)]
