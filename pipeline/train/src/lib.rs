@@ -27,6 +27,12 @@ pub mod problem;
 pub mod simd;
 pub mod tile;
 
+pub use config::TrainConfig;
+pub use error::TrainError;
+pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell};
+pub use halves::ErrorEstimate;
+pub use lm::{LmConfig, Scaling, Stop};
+
 #[cfg(test)]
 mod made_up;
 #[cfg(test)]
