@@ -176,11 +176,11 @@ impl Accumulator {
             let n = self.sizes[l + 1];
             for j in 0..n {
                 let mut u = [0.0; TILE];
-                for c in 0..CHANNELS {
+                for (c, (packed, r)) in g.iter_mut().zip(&tile.r).enumerate() {
                     let lane = &tile.g[l][c * n + j];
-                    g[c].set(j, lane);
+                    packed.set(j, lane);
                     for i in 0..TILE {
-                        u[i] += tile.r[c][i] * lane[i];
+                        u[i] += r[i] * lane[i];
                     }
                 }
                 self.u[l].set(j, &u);
@@ -205,8 +205,8 @@ impl Accumulator {
         }
         if q == top {
             for (row, a) in a.chunks_exact_mut(lda).take(rows).enumerate() {
-                for c in 0..CHANNELS {
-                    a[c] = tile.s[c][row] * tile.s[c][row];
+                for (a, s) in a.iter_mut().zip(&tile.s) {
+                    *a = s[row] * s[row];
                 }
             }
         } else if p == top {

@@ -82,7 +82,7 @@ pub struct HistoryRow {
 pub struct FitReport {
     /// Rows left out because a number in them is not finite, by place in the cell.
     pub quarantined: Vec<u32>,
-    /// Inputs dropped because they do not vary, as places in `rrf_field::model::INPUTS`.
+    /// Inputs dropped because they do not vary or cannot matter, as places in `rrf_field::model::INPUTS`.
     pub dropped_inputs: Vec<u8>,
     /// The course of the fit.
     pub history: Vec<HistoryRow>,
@@ -100,9 +100,6 @@ pub(crate) struct Prepared<'a> {
     pub validation_ids: Vec<u32>,
     pub train: MemoryRows,
     pub validation: MemoryRows,
-    /// 1 / max(luminance of the target, floor), training then validation rows.
-    pub train_divisor: Vec<f64>,
-    pub validation_divisor: Vec<f64>,
     pub report: FitReport,
 }
 
@@ -141,7 +138,7 @@ impl<'a> Prepared<'a> {
         samples.check()?;
         config.check()?;
         let divide = config.divide_base;
-        let ids = prepare::input_ids(config)?;
+        let (ids, mut dropped_inputs) = prepare::choose_inputs(config)?;
         let mut inputs = prepare::compute_inputs(&ids, samples.rows);
         let quarantined = prepare::quarantine(&samples, &inputs, divide);
         let mut usable = vec![true; samples.rows.len()];
@@ -156,30 +153,25 @@ impl<'a> Prepared<'a> {
                 train_ids.push(row as u32);
             }
         }
-        let dropped_inputs = prepare::scale_inputs(&mut inputs, &train_ids);
+        dropped_inputs.extend(prepare::scale_inputs(&mut inputs, &train_ids));
         let floor = floor(&samples, &train_ids, &validation_ids, config);
-        let divisors = |ids: &[u32]| -> Vec<f64> {
-            let lum = |&r: &u32| prepare::luminance(samples.mean(r as usize));
-            ids.iter().map(|r| 1.0 / lum(r).max(floor)).collect()
-        };
-        let train_divisor = divisors(&train_ids);
         let ids = if train_ids.is_empty() {
             &validation_ids
         } else {
             &train_ids
         };
-        let output = prepare::scale_outputs(&samples, ids, &divisors(ids), divide);
+        let output = prepare::scale_outputs(&samples, ids, floor, divide);
         let memory = |ids: &[u32]| MemoryRows::new(&samples, ids, &inputs, &output, divide);
+        let loss = if config.relative {
+            let noise = prepare::noise(&samples, ids, floor);
+            Loss::Relative { floor, noise }
+        } else {
+            Loss::Absolute
+        };
         Ok(Prepared {
             train: memory(&train_ids),
             validation: memory(&validation_ids),
-            train_divisor,
-            validation_divisor: divisors(&validation_ids),
-            loss: if config.relative {
-                Loss::Relative { floor }
-            } else {
-                Loss::Absolute
-            },
+            loss,
             report: FitReport {
                 quarantined,
                 dropped_inputs,
@@ -248,13 +240,13 @@ impl<'a> Prepared<'a> {
     /// Levenberg-Marquardt from `w` on; the weights with the best validation error.
     fn descend(&self, shape: &Shape, mut w: Vec<f64>, history: &mut Vec<HistoryRow>) -> Ended {
         let config = self.config;
-        let residuals = self.train.residuals().max(1) as f64;
-        let alpha = config.alpha * residuals;
-        let mut problem = NetProblem::new(shape, &self.train, self.loss);
-        let mut judge = NetProblem::new(shape, self.judged().0, self.loss);
+        let residuals = self.train.residuals();
+        let alpha = config.alpha * residuals as f64;
+        let mut problem = NetProblem::new(shape, &self.train, residuals, self.loss);
+        let mut judge = self.judge(shape);
         let mut lm = Levenberg::new(w.len(), config.lm);
-        self.solve_output(&mut problem, &mut lm, shape, &mut w, alpha);
-        let mut best = (self.judge(&mut judge, &w).square, w.clone());
+        solve_output(&mut problem, &mut lm, shape, &mut w, alpha);
+        let mut best = (judge.error(&w).square, w.clone());
         let (mut stop, mut since) = (Stop::Iterations, 0);
         for iteration in 1..=config.iterations {
             let step = match lm.step(&mut problem, &mut w, alpha) {
@@ -264,10 +256,14 @@ impl<'a> Prepared<'a> {
                     break;
                 }
             };
-            let validation = self.judge(&mut judge, &w).square;
+            if iteration % RENEW_JUDGE == 0 {
+                judge.renew(&best.1, problem.target_share());
+                best.0 = judge.error(&best.1).square;
+            }
+            let validation = judge.error(&w).square;
             history.push(HistoryRow {
                 iteration,
-                cost: step.data / residuals,
+                cost: step.data / residuals.max(1) as f64,
                 validation,
                 mu: lm.mu,
                 gain: step.gain,
@@ -294,98 +290,31 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// The output layer is linear: its best weights for the hidden layers at hand, under weights
-    /// from the targets' luminance, are one solve away.
-    fn solve_output(
-        &self,
-        problem: &mut NetProblem<MemoryRows>,
-        lm: &mut Levenberg,
-        shape: &Shape,
-        w: &mut [f64],
-        alpha: f64,
-    ) {
-        let first = shape.offsets().last().copied().unwrap_or(0);
-        w[first..].fill(0.0);
-        if self.config.relative {
-            problem.set_divisors(&self.train_divisor);
-        }
-        problem.refresh = false;
-        problem.linearise(w, &mut lm.normal);
-        problem.refresh = true;
-        let (n, m) = (w.len(), w.len() - first);
-        let mut block = vec![0.0; m * m];
-        for i in 0..m {
-            block[i * m..][..m].copy_from_slice(&lm.normal.matrix[(first + i) * n + first..][..m]);
-        }
-        let mut right: Vec<f64> = lm.normal.gradient[first..].iter().map(|g| -g).collect();
-        let largest = (0..m).map(|i| block[i * m + i]).fold(0.0, f64::max);
-        let mut factor = crate::linalg::Cholesky::default();
-        let add = vec![alpha + 1e-10 * largest; m];
-        // Without a factor the layer stays at zero: the mean, a valid start.
-        if factor.factor(&block, &add).is_ok() && factor.solve(&mut right).is_ok() {
-            w[first..].copy_from_slice(&right);
-        }
-    }
-
     /// The rows that choose the weights: validation, or training where there is none.
-    fn judged(&self) -> (&MemoryRows, &[u32], &[f64]) {
-        if self.validation_ids.is_empty() {
-            (&self.train, &self.train_ids, &self.train_divisor)
+    fn judge(&self, shape: &Shape) -> Judge<'_> {
+        let (rows, ids) = if self.validation_ids.is_empty() {
+            (&self.train, &self.train_ids)
         } else {
-            (
-                &self.validation,
-                &self.validation_ids,
-                &self.validation_divisor,
-            )
-        }
-    }
-
-    fn judge(&self, problem: &mut NetProblem<MemoryRows>, w: &[f64]) -> ErrorEstimate {
-        let (_, ids, divisor) = self.judged();
-        self.error(problem, w, ids, divisor)
-    }
-
-    /// Squared relative error of the net over some rows, free of Monte Carlo noise.
-    fn error(
-        &self,
-        problem: &mut NetProblem<MemoryRows>,
-        w: &[f64],
-        ids: &[u32],
-        divisor: &[f64],
-    ) -> ErrorEstimate {
-        let mut values = Vec::with_capacity(ids.len());
-        problem.each_tile(w, |first, tile| {
-            for i in 0..tile.batch.rows {
-                let row = ids[first + i] as usize;
-                let base = self.samples.base(row, self.config.divide_base);
-                let p = std::array::from_fn(|c| {
-                    let (scale, offset) = (self.output.scale[c], self.output.offset[c]);
-                    base[c] * (f64::from(offset) + f64::from(scale) * tile.out[c][i])
-                });
-                let [y1, y2] = self.samples.halves.map(|half| half[row]);
-                values.push(halves::product(p, y1, y2, divisor[first + i]));
-            }
-        });
-        ErrorEstimate::of(&values)
+            (&self.validation, &self.validation_ids)
+        };
+        Judge::new(self, shape, rows, ids)
     }
 
     /// Rounds the weights to f32, as they are stored, and judges what is stored.
     fn finish(self, cell: u32, shape: Shape, ended: Ended) -> CellFit {
         let weights: Vec<f32> = ended.weights.iter().map(|w| *w as f32).collect();
         let stored: Vec<f64> = weights.iter().map(|w| f64::from(*w)).collect();
-        let mut errors = [
-            (&self.train, &self.train_ids, &self.train_divisor),
-            (
-                &self.validation,
-                &self.validation_ids,
-                &self.validation_divisor,
-            ),
-        ]
-        .map(|(rows, ids, divisor)| {
-            let mut problem = NetProblem::new(&shape, rows, self.loss);
-            self.error(&mut problem, &stored, ids, divisor)
-        });
-        let [train_error, validation_error] = std::mem::take(&mut errors);
+        let share = {
+            let mut judge = Judge::new(&self, &shape, &self.train, &self.train_ids);
+            self.loss.target_share(judge.error(&stored).square)
+        };
+        let error = |rows, ids| {
+            let mut judge = Judge::new(&self, &shape, rows, ids);
+            judge.renew(&stored, share);
+            judge.error(&stored)
+        };
+        let train_error = error(&self.train, &self.train_ids);
+        let validation_error = error(&self.validation, &self.validation_ids);
         let metrics = CellMetrics {
             cell,
             seed: self.config.seed,
@@ -420,6 +349,91 @@ impl<'a> Prepared<'a> {
             metrics,
             report: self.report,
         }
+    }
+}
+
+/// Accepted steps after which the luminances that validation errors are divided by are renewed.
+const RENEW_JUDGE: usize = 10;
+
+/// Tells a net's error over some rows, free of Monte Carlo noise.
+struct Judge<'a> {
+    prepared: &'a Prepared<'a>,
+    problem: NetProblem<'a, MemoryRows>,
+    ids: &'a [u32],
+    divisor: Vec<f64>,
+}
+
+impl<'a> Judge<'a> {
+    /// Errors are divided by the luminance of the targets until [`Judge::renew`].
+    fn new(prepared: &'a Prepared, shape: &Shape, rows: &'a MemoryRows, ids: &'a [u32]) -> Self {
+        let divisor = (ids.iter())
+            .map(|&r| prepare::luminance(prepared.samples.mean(r as usize)))
+            .map(|luminance| 1.0 / luminance.max(prepared.floor))
+            .collect();
+        Judge {
+            problem: NetProblem::new(shape, rows, ids.len() * CHANNELS, prepared.loss),
+            prepared,
+            ids,
+            divisor,
+        }
+    }
+
+    /// From here on errors are divided by `share` of the targets' luminance and 1 − `share` of
+    /// the luminance that the net with weights `w` predicts.
+    fn renew(&mut self, w: &[f64], share: f64) {
+        let (divisor, floor) = (&mut self.divisor, self.prepared.floor);
+        self.problem.each_tile(w, |first, tile| {
+            for (d, l) in divisor[first..].iter_mut().zip(tile.luminance(share)) {
+                *d = 1.0 / l.max(floor);
+            }
+        });
+    }
+
+    /// Squared relative error of the net with weights `w`.
+    fn error(&mut self, w: &[f64]) -> ErrorEstimate {
+        let mut values = Vec::with_capacity(self.ids.len());
+        let (prepared, ids, divisor) = (self.prepared, self.ids, &self.divisor);
+        let output = &prepared.output;
+        self.problem.each_tile(w, |first, tile| {
+            for i in 0..tile.batch.rows {
+                let row = ids[first + i] as usize;
+                let base = prepared.samples.base(row, prepared.config.divide_base);
+                let p = std::array::from_fn(|c| {
+                    let (scale, offset) = (output.scale[c], output.offset[c]);
+                    base[c] * (f64::from(offset) + f64::from(scale) * tile.out[c][i])
+                });
+                let [y1, y2] = prepared.samples.halves.map(|half| half[row]);
+                values.push(halves::product(p, y1, y2, divisor[first + i]));
+            }
+        });
+        ErrorEstimate::of(&values)
+    }
+}
+
+/// The output layer is linear: its best weights for the hidden layers at hand, errors divided by
+/// the targets' luminance, are one solve away.
+fn solve_output(
+    problem: &mut NetProblem<MemoryRows>,
+    lm: &mut Levenberg,
+    shape: &Shape,
+    w: &mut [f64],
+    alpha: f64,
+) {
+    let first = shape.offsets().last().copied().unwrap_or(0);
+    w[first..].fill(0.0);
+    problem.linearise(w, &mut lm.normal);
+    let (n, m) = (w.len(), w.len() - first);
+    let mut block = vec![0.0; m * m];
+    for i in 0..m {
+        block[i * m..][..m].copy_from_slice(&lm.normal.matrix[(first + i) * n + first..][..m]);
+    }
+    let mut right: Vec<f64> = lm.normal.gradient[first..].iter().map(|g| -g).collect();
+    let largest = (0..m).map(|i| block[i * m + i]).fold(0.0, f64::max);
+    let mut factor = crate::linalg::Cholesky::default();
+    let add = vec![alpha + 1e-10 * largest; m];
+    // Without a factor the layer stays at zero: the mean, a valid start.
+    if factor.factor(&block, &add).is_ok() && factor.solve(&mut right).is_ok() {
+        w[first..].copy_from_slice(&right);
     }
 }
 

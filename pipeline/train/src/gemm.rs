@@ -19,6 +19,8 @@ pub const PAD_B: usize = 24;
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
+// In any one copy, two of the conditions are the same constant.
+#[allow(clippy::ifs_same_cond)]
 pub fn accumulate(a: &[f64], lda: usize, b: &[f64], ldb: usize, c: &mut [f64]) {
     if target_cfg_f!(target_feature = "avx512f") {
         blocks_8_24::<true>(a, lda, b, ldb, c);

@@ -29,9 +29,9 @@ pub mod tile;
 
 pub use config::TrainConfig;
 pub use error::TrainError;
-pub use fit::{CellFit, CellMetrics, FitReport, fit_cell};
+pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell};
 pub use halves::ErrorEstimate;
-pub use lm::Stop;
+pub use lm::{LmConfig, Scaling, Stop};
 
 #[cfg(test)]
 mod made_up;

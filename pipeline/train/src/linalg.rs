@@ -50,8 +50,7 @@ impl Cholesky {
                 return Err(failed);
             }
         }
-        let mut view =
-            ArrayViewMut2::from_shape((n, n), &mut self.factor).map_err(|_| failed.clone())?;
+        let mut view = ArrayViewMut2::from_shape((n, n), &mut self.factor).map_err(|_| failed)?;
         if n > 0 {
             view.cholesky_inplace(UPLO::Lower).map_err(|_| failed)?;
         }

@@ -81,8 +81,24 @@ pub struct Input {
     pub scale: f32,
 }
 
-/// Inputs named in the configuration, in its order.
-pub fn input_ids(config: &TrainConfig) -> Result<Vec<u8>, TrainError> {
+/// Whether the light over the base colour of a Lambertian point can depend on an input: not on
+/// the viewer, not on the material.
+fn matters_to_lambert(id: u8) -> bool {
+    let column = usize::from(id);
+    let viewer = (columns::V..columns::L).contains(&column)
+        || matches!(INPUTS.get(column), Some(&"mirror_light" | &"cos_view"));
+    !viewer && !(columns::BASE..columns::COUNT).contains(&column)
+}
+
+/// Inputs named in the configuration that can matter, in its order, and those that cannot.
+pub fn choose_inputs(config: &TrainConfig) -> Result<(Vec<u8>, Vec<u8>), TrainError> {
+    let named = input_ids(config)?;
+    Ok(named
+        .into_iter()
+        .partition(|&id| !config.divide_base || matters_to_lambert(id)))
+}
+
+fn input_ids(config: &TrainConfig) -> Result<Vec<u8>, TrainError> {
     let find = |name: &String| {
         let place = INPUTS.iter().position(|known| known == name);
         place.map(|p| p as u8).ok_or_else(|| TrainError::Input {
@@ -180,23 +196,20 @@ pub struct OutputScale {
     pub constant: bool,
 }
 
-/// Mean and standard deviation of the targets over `rows`, each row weighted by `divisor`².
-pub fn scale_outputs(
-    samples: &Samples,
-    rows: &[u32],
-    divisor: &[f64],
-    divide: bool,
-) -> OutputScale {
+/// Mean and standard deviation of the targets over `rows`, each row weighted by
+/// 1 / max(luminance, floor)².
+pub fn scale_outputs(samples: &Samples, rows: &[u32], floor: f64, divide: bool) -> OutputScale {
     let mut out = OutputScale {
         scale: [1.0; CHANNELS],
         offset: [0.0; CHANNELS],
         constant: true,
     };
     for c in 0..CHANNELS {
-        let values: Vec<(f64, f64)> = (rows.iter().zip(divisor))
-            .map(|(&r, d)| {
+        let values: Vec<(f64, f64)> = (rows.iter())
+            .map(|&r| {
                 let base = samples.base(r as usize, divide)[c];
-                (d * base, samples.mean(r as usize)[c] / base)
+                let y = samples.mean(r as usize);
+                (base / luminance(y).max(floor), y[c] / base)
             })
             .filter(|(weight, _)| *weight > 0.0)
             .collect();
@@ -214,6 +227,17 @@ pub fn scale_outputs(
         }
     }
     out
+}
+
+/// Mean squared noise of the targets relative to max(luminance, floor), over rows and channels:
+/// half the difference of two independent halves has the variance of their mean.
+pub fn noise(samples: &Samples, rows: &[u32], floor: f64) -> f64 {
+    let square = |&r: &u32| {
+        let d = 1.0 / luminance(samples.mean(r as usize)).max(floor);
+        let [a, b] = samples.halves.map(|half| half[r as usize].map(f64::from));
+        luminance(std::array::from_fn(|c| (0.5 * d * (a[c] - b[c])).powi(2)))
+    };
+    rows.iter().map(square).sum::<f64>() / rows.len().max(1) as f64
 }
 
 /// Rows in memory, in a net's units.

@@ -11,13 +11,39 @@ use rrf_field::net::Shape;
 pub enum Loss {
     /// s = gain: squared radiance.
     Absolute,
-    /// s = gain / max(luminance of the prediction, `floor`), the prediction held fixed within a
-    /// step (iteratively reweighted least squares). Differentiating through the divisor, or
-    /// dividing by noisy targets, would bias the fit low.
+    /// s = gain / max(l, `floor`), l an estimate of the true luminance that is held fixed within
+    /// a step (iteratively reweighted least squares).
+    ///
+    /// With the target's luminance y for l, a relative noise σ of y biases the fit low by 2σ².
+    /// With the prediction's luminance p there is no such bias, but a row predicted far too
+    /// bright loses its weight and is never put right. So l = ω y + (1 − ω) p, each weighted by
+    /// the other's squared error: ω = τ² / (τ² + σ²), τ the relative error of the model, never
+    /// taken below [`LEAST_ERROR`]. The bias is then 2ωσ² ≤ 2 min(τ², σ²): below the model's own
+    /// error whatever the noise.
     Relative {
         /// Luminance below which errors count as absolute.
         floor: f64,
+        /// σ²: mean squared relative noise of the targets.
+        noise: f64,
     },
+}
+
+/// Smallest relative error that is assumed of a model when its predictions are weighed against
+/// the targets.
+pub const LEAST_ERROR: f64 = 0.05;
+
+impl Loss {
+    /// The weight ω of the target in the luminance that errors are divided by, for a model of
+    /// squared relative error `square`.
+    pub fn target_share(&self, square: f64) -> f64 {
+        match self {
+            Loss::Absolute => 1.0,
+            Loss::Relative { noise, .. } => {
+                let square = square.max(LEAST_ERROR * LEAST_ERROR);
+                square / (square + noise)
+            }
+        }
+    }
 }
 
 /// A net of one shape on some rows.
@@ -29,13 +55,15 @@ pub struct NetProblem<'a, R: Rows> {
     /// 1 / max(luminance, floor) of each row, whole tiles.
     divisor: Vec<f64>,
     parameters: usize,
-    /// Whether [`Problem::linearise`] renews the divisors.
-    pub refresh: bool,
+    /// ω of [`Loss::Relative`].
+    share: f64,
+    residuals: f64,
 }
 
 impl<'a, R: Rows> NetProblem<'a, R> {
-    /// A net of `shape` on `rows`; all divisors 1 until the first linearisation.
-    pub fn new(shape: &Shape, rows: &'a R, loss: Loss) -> NetProblem<'a, R> {
+    /// A net of `shape` on `rows`, of which `residuals` values count; the first linearisation
+    /// divides by the targets' luminance.
+    pub fn new(shape: &Shape, rows: &'a R, residuals: usize, loss: Loss) -> NetProblem<'a, R> {
         let tile = Tile::new(shape);
         NetProblem {
             sums: Accumulator::new(&tile),
@@ -44,15 +72,14 @@ impl<'a, R: Rows> NetProblem<'a, R> {
             rows,
             loss,
             parameters: shape.weights(),
-            refresh: true,
+            share: 1.0,
+            residuals: residuals.max(1) as f64,
         }
     }
 
-    /// Sets the divisors by hand, one a row; missing ones keep their value.
-    pub fn set_divisors(&mut self, divisors: &[f64]) {
-        for (d, value) in self.divisor.iter_mut().zip(divisors) {
-            *d = *value;
-        }
+    /// ω of [`Loss::Relative`] in the next linearisation.
+    pub fn target_share(&self) -> f64 {
+        self.share
     }
 
     /// Runs the net over all rows and hands each tile to `see` with its first row.
@@ -70,11 +97,18 @@ impl<'a, R: Rows> NetProblem<'a, R> {
     }
 
     fn renew(&mut self, first: usize) {
-        if let (true, Loss::Relative { floor }) = (self.refresh, self.loss) {
-            let luminance = self.tile.luminance();
+        if let Loss::Relative { floor, .. } = self.loss {
+            let luminance = self.tile.luminance(self.share);
             for (d, l) in self.divisor[first..].iter_mut().zip(luminance) {
                 *d = 1.0 / l.max(floor);
             }
+        }
+    }
+
+    /// Weighs prediction against target by the error left.
+    fn reweigh(&mut self, cost: f64) {
+        if let Loss::Relative { noise, .. } = self.loss {
+            self.share = self.loss.target_share(cost / self.residuals - noise);
         }
     }
 }
@@ -106,6 +140,7 @@ impl<R: Rows> Problem for NetProblem<'_, R> {
             self.sums.add(&self.tile);
         }
         self.sums.finish(normal);
+        self.reweigh(sum);
         sum
     }
 }

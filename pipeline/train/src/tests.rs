@@ -13,7 +13,7 @@ fn dense(shape: &Shape, w: &[f64], rows: &RandomRows, floor: f64) -> (Normal, f6
     for row in 0..rows.rows {
         let (x, target, gain, base) = rows.row(row, shape.sizes[0]);
         let out = net::evaluate(shape, w, &x);
-        let lum: f64 = base + (0..3).map(|c| gain[c] * out[c]).sum::<f64>() / 3.0;
+        let lum: f64 = base + (0..3).map(|c| gain[c] * target[c]).sum::<f64>() / 3.0;
         let columns: Vec<Vec<f64>> = (0..n)
             .map(|i| {
                 let mut e = vec![0.0; n];
@@ -59,7 +59,11 @@ fn structured_equals_dense() {
                 seed: 5,
                 rows: count,
             };
-            let mut problem = NetProblem::new(&shape, &rows, Loss::Relative { floor: 1.3 });
+            let loss = Loss::Relative {
+                floor: 1.3,
+                noise: 0.01,
+            };
+            let mut problem = NetProblem::new(&shape, &rows, 3 * count, loss);
             let mut normal = Normal::zeros(w.len());
             let cost = problem.linearise(&w, &mut normal);
             let (expected, expected_cost) = dense(&shape, &w, &rows, 1.3);

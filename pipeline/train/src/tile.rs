@@ -157,13 +157,20 @@ impl Tile {
         sum
     }
 
-    /// Luminance (mean of the channels) of the present outputs.
-    pub fn luminance(&self) -> Lane {
-        let (gain, out) = (&self.batch.gain, &self.out);
-        std::array::from_fn(|i| {
-            let sum = gain[0][i] * out[0][i] + gain[1][i] * out[1][i] + gain[2][i] * out[2][i];
-            self.batch.base[i] + sum / CHANNELS as f64
-        })
+    /// Luminance (mean of the channels) of `share` times the targets plus 1 − `share` times the
+    /// present outputs.
+    pub fn luminance(&self, share: f64) -> Lane {
+        let Batch {
+            gain, target, base, ..
+        } = &self.batch;
+        let mut sum = [0.0; TILE];
+        for c in 0..CHANNELS {
+            for i in 0..TILE {
+                let value = share * target[c][i] + (1.0 - share) * self.out[c][i];
+                sum[i] += gain[c][i] * value;
+            }
+        }
+        std::array::from_fn(|i| base[i] + sum[i] / CHANNELS as f64)
     }
 
     /// Gradients of the weighted outputs with respect to every hidden unit's sum.
