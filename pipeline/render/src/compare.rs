@@ -123,7 +123,9 @@ fn shown_measures(reference: &Picture, test: &Picture, exposure: Exposure) -> Ve
     // What the sRGB display emits: encoding and decoding cancel, exposure and clip remain.
     let shown = |p: &Picture| -> Vec<DVec3> {
         let pixels = p.pixels.iter();
-        pixels.map(|&p: &Vec3| exposure.apply(p).as_dvec3()).collect()
+        pixels
+            .map(|&p: &Vec3| exposure.apply(p).as_dvec3())
+            .collect()
     };
     let (m, p) = (shown(reference), shown(test));
     let lab = |rgb: &[DVec3]| -> Vec<DVec3> {
@@ -135,7 +137,10 @@ fn shown_measures(reference: &Picture, test: &Picture, exposure: Exposure) -> Ve
         mean(pairs.map(|(&m, &p)| difference(m, p).powi(2))).sqrt()
     };
     let flip = flip::flip(&m, &p, reference.width as usize, flip::PIXELS_PER_DEGREE);
-    let tone = format!("exposure {:+.3} stops, clipped to [0, 1], sRGB", exposure.ev);
+    let tone = format!(
+        "exposure {:+.3} stops, clipped to [0, 1], sRGB",
+        exposure.ev
+    );
     vec![
         Measure {
             name: "delta_e_ab",

@@ -104,9 +104,8 @@ mod tests {
                 let mut sum = 0.0;
                 for j in -1..=1i64 {
                     for i in -3..=3i64 {
-                        sum += (1.0 + 0.3 * i as f64)
-                            * (0.5 - (j * j) as f64)
-                            * value(x + i, y + j);
+                        sum +=
+                            (1.0 + 0.3 * i as f64) * (0.5 - (j * j) as f64) * value(x + i, y + j);
                     }
                 }
                 let got = got.values[y as usize * width + x as usize];

@@ -4,8 +4,8 @@
 use crate::error::RenderError;
 use crate::frame::{Frame, Picture};
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
-    ReadChannels, ReadLayers, Text, WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image,
+    Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, WritableImage,
 };
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -156,11 +156,7 @@ fn read_all(path: &Path) -> Result<Image<Layer<AnyChannels<FlatSamples>>>, Rende
         })
 }
 
-fn push_rgb(
-    channels: &mut Vec<AnyChannel<FlatSamples>>,
-    layer: &str,
-    pixels: &[Vec3],
-) {
+fn push_rgb(channels: &mut Vec<AnyChannel<FlatSamples>>, layer: &str, pixels: &[Vec3]) {
     for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
         let samples = pixels.iter().map(|p| p[i]).collect();
         let name = text(&format!("{layer}{name}"));

@@ -56,11 +56,7 @@ fn opponent(picture: &[DVec3], width: usize) -> [Plane; 3] {
         .iter()
         .map(|&rgb| {
             let t = color::xyz(rgb) / white;
-            [
-                116.0 * t.y - 16.0,
-                500.0 * (t.x - t.y),
-                200.0 * (t.y - t.z),
-            ]
+            [116.0 * t.y - 16.0, 500.0 * (t.x - t.y), 200.0 * (t.y - t.z)]
         })
         .collect();
     [0, 1, 2].map(|c| Plane {
@@ -103,7 +99,11 @@ fn hunt(xyz: DVec3) -> DVec3 {
 /// One channel seen through its contrast sensitivity function: a weighted sum of Gaussian
 /// blurs exp(−π² d² / b), d in degrees, the weights summing to 1 (eq. 3 and 4).
 fn sensitivity_filter(plane: &Plane, gaussians: [(f64, f64); 2], pixels_per_degree: f64) -> Plane {
-    let widest = SENSITIVITY.iter().flatten().map(|g| g.1).fold(0.0, f64::max);
+    let widest = SENSITIVITY
+        .iter()
+        .flatten()
+        .map(|g| g.1)
+        .fold(0.0, f64::max);
     let radius = (3.0 * (widest / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as usize;
     let kernels = gaussians.map(|(a, b)| {
         let kernel = Kernel::new(radius, |x| {
@@ -139,7 +139,11 @@ struct Features {
 fn features(achromatic: &Plane, pixels_per_degree: f64) -> Features {
     let grey = Plane {
         width: achromatic.width,
-        values: achromatic.values.iter().map(|y| (y + 16.0) / 116.0).collect(),
+        values: achromatic
+            .values
+            .iter()
+            .map(|y| (y + 16.0) / 116.0)
+            .collect(),
     };
     let deviation = 0.5 * FEATURE_WIDTH * pixels_per_degree;
     let radius = (3.0 * deviation).ceil() as usize;
