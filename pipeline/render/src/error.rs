@@ -66,3 +66,10 @@ pub enum RenderError {
     #[error("the reference picture is black everywhere; nothing can be compared relative to it")]
     BlackReference,
 }
+
+impl RenderError {
+    /// Whether other input is needed; otherwise the same could succeed if tried again.
+    pub fn is_bad_input(&self) -> bool {
+        !matches!(self, RenderError::Write { .. })
+    }
+}
