@@ -1,0 +1,213 @@
+"""Extraction against Mitsuba 3 (`llvm_ad_rgb`): variance x time at the rows of a points table.
+
+    sh tests/peers/setup.sh
+    cargo build --release
+    .venv-peers/bin/python tests/peers/mitsuba_points.py
+
+Runs of both programs alternate, on the same cores, with the same number of paths a row; what is
+compared is defined in efficiency.py, what Mitsuba does in mitsuba_rays.py. Every program's mean is
+held against the table by the table's own judge before any ratio is printed.
+"""
+
+import argparse
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+ORACLE = ROOT / "tests/data/oracle"
+sys.path.insert(0, str(HERE))
+
+from efficiency import ERROR, RADIANCE, Points, columns, ratio_interval, relative_variance  # noqa: E402
+from pbrt_room import read_room  # noqa: E402
+
+
+@dataclass
+class Program:
+    """A way to make the estimates, and what its runs gave."""
+
+    name: str
+    run: object  # seed -> [n, 3]
+    spp: int
+    same_lights: bool = True  # whether it estimates the table, or only shows a rate
+    seconds: list[float] = field(default_factory=list)
+    estimates: list[np.ndarray] = field(default_factory=list)
+
+    def measure(self, seed: int):
+        start = time.perf_counter()
+        estimate = self.run(seed)
+        self.seconds.append(time.perf_counter() - start)
+        self.estimates.append(estimate)
+
+
+def rrf_program(binary: Path, scene: Path, table: Path, scratch: Path):
+    """`rrf trace --points` as a function of (spp, seed), and the standard errors it stated."""
+    stated = []
+
+    def run(spp: int, seed: int) -> np.ndarray:
+        out = scratch / f"rrf-{spp}-{seed}.parquet"
+        command = [binary, "trace", scene, "--points", table, "-o", out]
+        command += ["--spp", str(spp), "--seed", str(seed), "--quiet"]
+        subprocess.run(list(map(str, command)), check=True, stdout=subprocess.DEVNULL)
+        result = pq.read_table(out)
+        stated.append(columns(result, ERROR))
+        return columns(result, RADIANCE)
+
+    return run, stated
+
+
+def judged(program: Program, table: Path, scratch: Path) -> dict:
+    """The verdict of the table's own judge on the mean of all runs."""
+    runs = np.array(program.estimates)
+    error = runs.std(axis=0, ddof=1) / np.sqrt(len(runs))
+    values = np.concatenate([runs.mean(axis=0), error], axis=1).astype(np.float32)
+    out = scratch / "judged.parquet"
+    pq.write_table(pa.table({c: values[:, i] for i, c in enumerate(RADIANCE + ERROR)}), out)
+    command = [sys.executable, ORACLE / "judge_points.py", "z", table, out]
+    verdict = subprocess.run(command, capture_output=True, text=True, check=False)
+    return {"passes": verdict.returncode == 0, "says": (verdict.stdout + verdict.stderr).strip()}
+
+
+def summary(program: Program, points: Points, scratch: Path) -> dict:
+    """A row of the results."""
+    seconds = float(np.median(program.seconds))
+    row = {"program": program.name, "spp": program.spp, "seconds": program.seconds}
+    row |= {"median_seconds": seconds, "paths_per_second": len(points.light) * program.spp / seconds}
+    if program.same_lights:
+        variance = relative_variance(np.array(program.estimates), points.scale())
+        row["relative_variance"] = float(variance.mean())
+        row["efficiency_seconds"] = float(variance.mean()) * seconds
+        row["median_row_efficiency_seconds"] = float(np.median(variance)) * seconds
+        row["judge"] = judged(program, points.path, scratch)
+    return row
+
+
+def machine() -> dict:
+    """What the figures belong to."""
+    info = Path("/proc/cpuinfo").read_text()
+    model = next((l.split(":")[1].strip() for l in info.splitlines() if "model name" in l), "")
+    return {"cpu": model or platform.processor(), "cores": len(os.sched_getaffinity(0))}
+
+
+def compared(ours: Program, theirs: Program, points: Points) -> dict:
+    """E of ours over E of theirs: below 1, ours is better."""
+    a, b = (relative_variance(np.array(p.estimates), points.scale()) for p in (ours, theirs))
+    time_ratio = float(np.median(ours.seconds) / np.median(theirs.seconds))
+    result = {"peer": theirs.name, "ratio": float(a.mean() / b.mean()) * time_ratio}
+    result["interval_95"] = ratio_interval(a, b, (ours.seconds, theirs.seconds))
+    result["variance_ratio"] = float(a.mean() / b.mean())
+    result["time_ratio"] = time_ratio
+    result["median_row_ratio"] = float(np.median(a) / np.median(b)) * time_ratio
+    return result
+
+
+def printed(results: dict):
+    """The table for people."""
+    print(f"{results['machine']['cpu']}, {results['machine']['cores']} cores, "
+          f"Mitsuba {results['mitsuba']}, {Path(results['llvm']).name}; "
+          f"load {results['load'][0]:.1f} before, {results['load'][1]:.1f} after")
+    print(f"{results['rows']} rows, {results['runs']} alternating runs, medians")
+    print(f"{'program':<34}{'spp':>6}{'s':>8}{'M paths/s':>11}{'E [ms]':>10}{'E med.row':>11}  judge")
+    for p in results["programs"]:
+        line = f"{p['program']:<34}{p['spp']:>6}{p['median_seconds']:>8.3f}"
+        line += f"{p['paths_per_second'] / 1e6:>11.3f}"
+        if "judge" in p:
+            verdict = "agrees" if p["judge"]["passes"] else "DIFFERS: " + p["judge"]["says"]
+            line += f"{p['efficiency_seconds'] * 1e3:>10.3f}"
+            line += f"{p['median_row_efficiency_seconds'] * 1e3:>11.3f}  {verdict}"
+        print(line)
+    for r in results["ratios"]:
+        low, high = r["interval_95"]
+        print(f"rrf / {r['peer']}: variance x time {r['ratio']:.3f} [{low:.3f}, {high:.3f}], "
+              f"variance {r['variance_ratio']:.3f}, time {r['time_ratio']:.3f}, "
+              f"median row {r['median_row_ratio']:.3f}")
+    if "rrf_start_up_seconds" in results:
+        print(f"rrf's start-up (1 process, 2 paths a row): {results['rrf_start_up_seconds']:.3f} s, "
+              f"counted above; its stated variance / its spread: {results['rrf_stated']:.3f}")
+
+
+def options():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rrf", type=Path, default=ROOT / "target/release/rrf")
+    parser.add_argument("--no-rrf", action="store_true", help="Mitsuba alone")
+    parser.add_argument("--scene", type=Path, default=ROOT / "scenes/cornell-box/scene.pbrt")
+    parser.add_argument("--points", type=Path, default=ORACLE / "cornell_overhead.parquet")
+    parser.add_argument("--spp", type=int, default=1024, help="paths a row in one run")
+    parser.add_argument("--runs", type=int, default=8, help="at least 5")
+    parser.add_argument("--json", type=Path, help="results, machine-readable")
+    args = parser.parse_args()
+    if args.runs < 5 or args.spp < 2:
+        parser.error("--runs has to be at least 5, --spp at least 2")
+    if not args.no_rrf and not args.rrf.is_file():
+        parser.error(f"{args.rrf}: no such program; cargo build --release, or --rrf, or --no-rrf")
+    return args
+
+
+def main() -> int:
+    args = options()
+    library = ROOT / ".venv-peers/libllvm"
+    if "DRJIT_LIBLLVM_PATH" not in os.environ and library.is_file():
+        os.environ["DRJIT_LIBLLVM_PATH"] = library.read_text().strip()
+    import mitsuba_rays as peer  # after the library is named
+
+    points, room, spp = Points.read(args.points), read_room(args.scene), args.spp
+    load = [os.getloadavg()[0]]
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = Path(folder)
+        best, plain = "multijitter", "independent"
+        programs = [
+            Program(f"Mitsuba, {best}", peer.WholeTable(room, points, best, spp).run, spp),
+            Program(f"Mitsuba, {plain}", peer.WholeTable(room, points, plain, spp).run, spp),
+            Program(f"Mitsuba, {plain}, moved light",
+                    peer.MovedLight(room, points, plain, spp).run, spp),
+            Program(f"Mitsuba, {plain}, one light",
+                    peer.OneLight(room, points, plain, spp).run, spp, same_lights=False),
+        ]
+        stated = []
+        if not args.no_rrf:
+            trace, stated = rrf_program(args.rrf, args.scene, args.points, scratch)
+            programs.insert(0, Program("rrf trace --points", lambda seed: trace(spp, seed), spp))
+        for program in programs:
+            program.run(0)  # kernels compiled, files in the cache
+        stated.clear()
+        for seed in range(1, args.runs + 1):
+            for program in programs:
+                program.measure(seed)
+        load.append(os.getloadavg()[0])
+        results = {
+            "machine": machine(), "mitsuba": peer.mi.__version__,
+            "llvm": os.environ.get("DRJIT_LIBLLVM_PATH", "found by Dr.Jit"), "load": load,
+            "points": args.points.name, "rows": len(points.light), "runs": args.runs,
+            "programs": [summary(p, points, scratch) for p in programs], "ratios": [],
+        }
+        if not args.no_rrf:
+            ours = programs[0]
+            results["ratios"] = [compared(ours, p, points) for p in programs[1:] if p.same_lights]
+            spread = np.array(ours.estimates).var(axis=0, ddof=1) / points.scale() ** 2
+            said = np.mean(np.square(stated), axis=0) / points.scale() ** 2
+            results["rrf_stated"] = float(said.mean() / spread.mean())
+            starts = []
+            for seed in range(5):
+                begin = time.perf_counter()
+                trace(2, seed)
+                starts.append(time.perf_counter() - begin)
+            results["rrf_start_up_seconds"] = float(np.median(starts))
+    printed(results)
+    if args.json:
+        args.json.write_text(json.dumps(results, indent=1) + "\n")
+    return 0 if all(p["judge"]["passes"] for p in results["programs"] if "judge" in p) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
