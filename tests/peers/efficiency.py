@@ -18,6 +18,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 POSITION, NORMAL, LIGHT = ("px", "py", "pz"), ("nx", "ny", "nz"), ("lx", "ly", "lz")
+VIEWER = ("vx", "vy", "vz")
 RADIANCE, ERROR = ("r", "g", "b"), ("r_se", "g_se", "b_se")
 
 
@@ -40,6 +41,10 @@ class Points:
     @classmethod
     def read(cls, path: Path) -> "Points":
         table = pq.read_table(path)
+        sides = (columns(table, NORMAL) * columns(table, VIEWER)).sum(axis=1)
+        if not (sides > 0).all():
+            behind = (sides <= 0).sum()
+            raise ValueError(f"{path}: {behind} rows have the viewer behind the surface")
         position, normal, light = (columns(table, c, np.float32) for c in (POSITION, NORMAL, LIGHT))
         material = np.asarray(table["material"].to_pylist())
         return cls(path, position, normal, light, material, columns(table, RADIANCE))

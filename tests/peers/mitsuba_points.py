@@ -29,7 +29,8 @@ ROOT = HERE.parent.parent
 ORACLE = ROOT / "tests/data/oracle"
 sys.path.insert(0, str(HERE))
 
-from efficiency import ERROR, RADIANCE, Points, columns, ratio_interval, relative_variance  # noqa: E402
+from efficiency import ERROR, RADIANCE, Points, columns  # noqa: E402
+from efficiency import ratio_interval, relative_variance  # noqa: E402
 from pbrt_room import read_room  # noqa: E402
 
 
@@ -42,12 +43,14 @@ class Program:
     spp: int
     same_lights: bool = True  # whether it estimates the table, or only shows a rate
     seconds: list[float] = field(default_factory=list)
+    core_seconds: list[float] = field(default_factory=list)  # of all threads and child processes
     estimates: list[np.ndarray] = field(default_factory=list)
 
     def measure(self, seed: int):
-        start = time.perf_counter()
+        start, work = time.perf_counter(), sum(os.times()[:4])
         estimate = self.run(seed)
         self.seconds.append(time.perf_counter() - start)
+        self.core_seconds.append(sum(os.times()[:4]) - work)
         self.estimates.append(estimate)
 
 
@@ -83,7 +86,9 @@ def summary(program: Program, points: Points, scratch: Path) -> dict:
     """A row of the results."""
     seconds = float(np.median(program.seconds))
     row = {"program": program.name, "spp": program.spp, "seconds": program.seconds}
-    row |= {"median_seconds": seconds, "paths_per_second": len(points.light) * program.spp / seconds}
+    row |= {"core_seconds": program.core_seconds, "median_seconds": seconds}
+    row["median_core_seconds"] = float(np.median(program.core_seconds))
+    row["paths_per_second"] = len(points.light) * program.spp / seconds
     if program.same_lights:
         variance = relative_variance(np.array(program.estimates), points.scale())
         row["relative_variance"] = float(variance.mean())
@@ -108,6 +113,7 @@ def compared(ours: Program, theirs: Program, points: Points) -> dict:
     result["interval_95"] = ratio_interval(a, b, (ours.seconds, theirs.seconds))
     result["variance_ratio"] = float(a.mean() / b.mean())
     result["time_ratio"] = time_ratio
+    result["core_time_ratio"] = float(np.median(ours.core_seconds) / np.median(theirs.core_seconds))
     result["median_row_ratio"] = float(np.median(a) / np.median(b)) * time_ratio
     return result
 
@@ -118,23 +124,25 @@ def printed(results: dict):
           f"Mitsuba {results['mitsuba']}, {Path(results['llvm']).name}; "
           f"load {results['load'][0]:.1f} before, {results['load'][1]:.1f} after")
     print(f"{results['rows']} rows, {results['runs']} alternating runs, medians")
-    print(f"{'program':<34}{'spp':>6}{'s':>8}{'M paths/s':>11}{'E [ms]':>10}{'E med.row':>11}  judge")
+    heads = ("spp", "s", "core s", "M paths/s", "E [ms]", "median row")
+    print(f"{'program':<34}" + "".join(f"{head:>12}" for head in heads) + "  judge")
     for p in results["programs"]:
-        line = f"{p['program']:<34}{p['spp']:>6}{p['median_seconds']:>8.3f}"
-        line += f"{p['paths_per_second'] / 1e6:>11.3f}"
+        figures = [p["median_seconds"], p["median_core_seconds"], p["paths_per_second"] / 1e6]
+        verdict = ""
         if "judge" in p:
+            keys = ("efficiency_seconds", "median_row_efficiency_seconds")
+            figures += [p[key] * 1e3 for key in keys]
             verdict = "agrees" if p["judge"]["passes"] else "DIFFERS: " + p["judge"]["says"]
-            line += f"{p['efficiency_seconds'] * 1e3:>10.3f}"
-            line += f"{p['median_row_efficiency_seconds'] * 1e3:>11.3f}  {verdict}"
-        print(line)
+        line = f"{p['program']:<34}{p['spp']:>12}" + "".join(f"{x:>12.3f}" for x in figures)
+        print(line + "  " + verdict)
     for r in results["ratios"]:
         low, high = r["interval_95"]
         print(f"rrf / {r['peer']}: variance x time {r['ratio']:.3f} [{low:.3f}, {high:.3f}], "
-              f"variance {r['variance_ratio']:.3f}, time {r['time_ratio']:.3f}, "
-              f"median row {r['median_row_ratio']:.3f}")
+              f"variance {r['variance_ratio']:.3f}, time {r['time_ratio']:.3f} "
+              f"(core time {r['core_time_ratio']:.3f}), median row {r['median_row_ratio']:.3f}")
     if "rrf_start_up_seconds" in results:
-        print(f"rrf's start-up (1 process, 2 paths a row): {results['rrf_start_up_seconds']:.3f} s, "
-              f"counted above; its stated variance / its spread: {results['rrf_stated']:.3f}")
+        print(f"rrf with 16 paths a row: {results['rrf_start_up_seconds']:.3f} s, counted above; "
+              f"its stated variance over its spread: {results['rrf_stated']:.3f}")
 
 
 def options():
@@ -147,8 +155,8 @@ def options():
     parser.add_argument("--runs", type=int, default=8, help="at least 5")
     parser.add_argument("--json", type=Path, help="results, machine-readable")
     args = parser.parse_args()
-    if args.runs < 5 or args.spp < 2:
-        parser.error("--runs has to be at least 5, --spp at least 2")
+    if args.runs < 5 or args.spp < 16:
+        parser.error("--runs has to be at least 5, --spp at least 16")
     if not args.no_rrf and not args.rrf.is_file():
         parser.error(f"{args.rrf}: no such program; cargo build --release, or --rrf, or --no-rrf")
     return args
@@ -200,7 +208,7 @@ def main() -> int:
             starts = []
             for seed in range(5):
                 begin = time.perf_counter()
-                trace(2, seed)
+                trace(16, seed)
                 starts.append(time.perf_counter() - begin)
             results["rrf_start_up_seconds"] = float(np.median(starts))
     printed(results)

@@ -79,6 +79,9 @@ class Paths:
     """Launches of `spp` paths from each of some rows."""
 
     def __init__(self, scene, points: Points, room: Room, rows, sampler: str, spp: int):
+        unknown = set(points.material[rows]) - set(room.reflectance)
+        if unknown:
+            raise ValueError(f"{points.path}: materials {sorted(unknown)} are not in the scene")
         reflectance = np.array([room.reflectance[m] for m in points.material[rows]], np.float32)
         vectors = (points.position[rows], points.normal[rows], reflectance)
         self.p, self.n, self.a = (mi.Vector3f(np.ascontiguousarray(x.T)) for x in vectors)
