@@ -100,9 +100,12 @@ def summary(program: Program, points: Points, scratch: Path) -> dict:
 
 def machine() -> dict:
     """What the figures belong to."""
-    info = Path("/proc/cpuinfo").read_text()
-    model = next((l.split(":")[1].strip() for l in info.splitlines() if "model name" in l), "")
-    return {"cpu": model or platform.processor(), "cores": len(os.sched_getaffinity(0))}
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    fact = lambda key: next((l.split(":")[1].strip() for l in lines if l.startswith(key)), "")
+    flags = fact("flags").split()
+    simd = next((s for s in ("avx512f", "avx2", "avx") if s in flags), "")
+    name = fact("model name") or platform.processor() or platform.machine()
+    return {"cpu": name, "simd": simd, "cores": len(os.sched_getaffinity(0))}
 
 
 def compared(ours: Program, theirs: Program, points: Points) -> dict:
@@ -118,31 +121,49 @@ def compared(ours: Program, theirs: Program, points: Points) -> dict:
     return result
 
 
-def printed(results: dict):
+def report(results: dict) -> str:
     """The table for people."""
-    print(f"{results['machine']['cpu']}, {results['machine']['cores']} cores, "
-          f"Mitsuba {results['mitsuba']}, {Path(results['llvm']).name}; "
-          f"load {results['load'][0]:.1f} before, {results['load'][1]:.1f} after")
-    print(f"{results['rows']} rows, {results['runs']} alternating runs, medians")
+    box = results["machine"]
+    lines = [
+        f"{box['cpu']} {box['simd']}, {box['cores']} cores; load average "
+        f"{results['load'][0]:.1f} before, {results['load'][1]:.1f} after",
+        f"Mitsuba {results['mitsuba']}, llvm_ad_rgb, {Path(results['llvm']).name}",
+        f"{results['points']}: {results['rows']} rows; {results['runs']} alternating runs, medians",
+        "",
+    ]
     heads = ("spp", "s", "core s", "M paths/s", "E [ms]", "median row")
-    print(f"{'program':<34}" + "".join(f"{head:>12}" for head in heads) + "  judge")
+    lines.append(f"{'program':<34}" + "".join(f"{head:>12}" for head in heads) + "  judge")
     for p in results["programs"]:
         figures = [p["median_seconds"], p["median_core_seconds"], p["paths_per_second"] / 1e6]
         verdict = ""
         if "judge" in p:
             keys = ("efficiency_seconds", "median_row_efficiency_seconds")
             figures += [p[key] * 1e3 for key in keys]
-            verdict = "agrees" if p["judge"]["passes"] else "DIFFERS: " + p["judge"]["says"]
+            verdict = "  agrees" if p["judge"]["passes"] else "  DIFFERS: " + p["judge"]["says"]
         line = f"{p['program']:<34}{p['spp']:>12}" + "".join(f"{x:>12.3f}" for x in figures)
-        print(line + "  " + verdict)
+        lines.append(line + verdict)
     for r in results["ratios"]:
         low, high = r["interval_95"]
-        print(f"rrf / {r['peer']}: variance x time {r['ratio']:.3f} [{low:.3f}, {high:.3f}], "
-              f"variance {r['variance_ratio']:.3f}, time {r['time_ratio']:.3f} "
-              f"(core time {r['core_time_ratio']:.3f}), median row {r['median_row_ratio']:.3f}")
+        lines += [
+            "", f"rrf over {r['peer']}: E {r['ratio']:.3f} [{low:.3f}, {high:.3f}]",
+            f"  variance {r['variance_ratio']:.3f} x time {r['time_ratio']:.3f} "
+            f"(core time {r['core_time_ratio']:.3f}); E of the median row "
+            f"{r['median_row_ratio']:.3f}",
+        ]
     if "rrf_start_up_seconds" in results:
-        print(f"rrf with 16 paths a row: {results['rrf_start_up_seconds']:.3f} s, counted above; "
-              f"its stated variance over its spread: {results['rrf_stated']:.3f}")
+        lines += [
+            "", f"rrf with 16 paths a row: {results['rrf_start_up_seconds']:.3f} s, counted above; "
+            f"its stated variance over its spread: {results['rrf_stated']:.3f}",
+        ]
+    return "\n".join(lines)
+
+
+def write_page(page: Path, text: str):
+    """Puts the figures between the page's two markers."""
+    begin, end = "<!-- figures: begin -->\n", "<!-- figures: end -->"
+    before, rest = page.read_text().split(begin)
+    after = rest.split(end)[1]
+    page.write_text(f"{before}{begin}```text\n{text}\n```\n{end}{after}")
 
 
 def options():
@@ -154,6 +175,7 @@ def options():
     parser.add_argument("--spp", type=int, default=1024, help="paths a row in one run")
     parser.add_argument("--runs", type=int, default=8, help="at least 5")
     parser.add_argument("--json", type=Path, help="results, machine-readable")
+    parser.add_argument("--page", type=Path, help="put the figures into this page: docs/peers.md")
     args = parser.parse_args()
     if args.runs < 5 or args.spp < 16:
         parser.error("--runs has to be at least 5, --spp at least 16")
@@ -211,7 +233,10 @@ def main() -> int:
                 trace(16, seed)
                 starts.append(time.perf_counter() - begin)
             results["rrf_start_up_seconds"] = float(np.median(starts))
-    printed(results)
+    text = report(results)
+    print(text)
+    if args.page:
+        write_page(args.page, text)
     if args.json:
         args.json.write_text(json.dumps(results, indent=1) + "\n")
     return 0 if all(p["judge"]["passes"] for p in results["programs"] if "judge" in p) else 1
