@@ -191,6 +191,10 @@ def main() -> int:
         os.environ["DRJIT_LIBLLVM_PATH"] = library.read_text().strip()
     import mitsuba_rays as peer  # after the library is named
 
+    if args.page and os.getloadavg()[0] > 0.25 * len(os.sched_getaffinity(0)):
+        print(f"load average {os.getloadavg()[0]:.1f}: no figures for a page from a busy machine; "
+              "wait, or leave out --page", file=sys.stderr)
+        return 1
     points, room, spp = Points.read(args.points), read_room(args.scene), args.spp
     load = [os.getloadavg()[0]]
     with tempfile.TemporaryDirectory() as folder:
