@@ -13,6 +13,7 @@ Both programs are measured by the spread of their own runs, not by what they say
 
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import NormalDist
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -37,6 +38,7 @@ class Points:
     light: np.ndarray  # [n, 3] float32
     material: np.ndarray  # [n] names
     reference: np.ndarray  # [n, 3]
+    reference_error: np.ndarray  # [n, 3], standard errors
 
     @classmethod
     def read(cls, path: Path) -> "Points":
@@ -47,7 +49,8 @@ class Points:
             raise ValueError(f"{path}: {behind} rows have the viewer behind the surface")
         position, normal, light = (columns(table, c, np.float32) for c in (POSITION, NORMAL, LIGHT))
         material = np.asarray(table["material"].to_pylist())
-        return cls(path, position, normal, light, material, columns(table, RADIANCE))
+        reference, error = columns(table, RADIANCE), columns(table, ERROR)
+        return cls(path, position, normal, light, material, reference, error)
 
     def scale(self) -> np.ndarray:
         """max(lum, eps) a row, shape [n, 1]."""
@@ -58,6 +61,30 @@ class Points:
 def relative_variance(runs: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """Mean over the channels of Var / scale^2 a row: runs [R, n, 3], scale [n, 1], out [n]."""
     return (runs.var(axis=0, ddof=1) / scale**2).mean(axis=1)
+
+
+def agreement(runs: np.ndarray, points: Points) -> dict:
+    """z-tests of the runs' mean against the table: of the whole, and of groups of 10 rows or more.
+
+    Groups are made by geometry alone (material x quadrant of the light), a test a channel: single
+    rows are skewed, and their standard errors from few runs too rough. Passes when the largest
+    |z| is below the two-sided normal quantile of 1e-4, Sidak-corrected for the number of tests.
+    """
+    difference = runs.mean(axis=0) - points.reference
+    variance = runs.var(axis=0, ddof=1) / len(runs) + points.reference_error**2
+    x, z = points.light[:, 0], points.light[:, 2]
+    quadrant = 2 * (x > np.median(x)) + (z > np.median(z))
+    parts = [np.full(len(x), True)]
+    for name in np.unique(points.material):
+        parts += [(points.material == name) & (quadrant == q) for q in range(4)]
+    parts = [p for p in parts if p.sum() >= 10]
+    scores = [difference[p].sum(axis=0) / np.sqrt(variance[p].sum(axis=0)) for p in parts]
+    tests = 3 * len(scores)
+    limit = NormalDist().inv_cdf(1 - (1 - (1 - 1e-4) ** (1 / tests)) / 2)
+    largest = float(np.abs(scores).max())
+    bias = float(difference.sum() / points.reference.sum())
+    return {"passes": largest < limit, "largest_z": largest, "limit": limit, "tests": tests,
+            "whole_z": np.round(scores[0], 3).tolist(), "bias": bias}
 
 
 def ratio_interval(ours, theirs, times, draws: int = 2000) -> tuple[float, float]:

@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/peers"))
 
-from efficiency import Points, ratio_interval, relative_variance  # noqa: E402
+from efficiency import Points, agreement, ratio_interval, relative_variance  # noqa: E402
 from pbrt_room import read_room  # noqa: E402
 
 ORACLE = ROOT / "tests/data/oracle"
@@ -76,3 +76,15 @@ def test_ratio_interval_covers_the_truth():
         hits += low < 1 / 3 < high
     # P(Binomial(100, 0.95) < 84) = 1e-5
     assert hits >= 84
+
+
+def test_agreement_sees_a_small_bias():
+    """Normal runs about the table's values pass; 2 % less in one material does not."""
+    points = Points.read(ORACLE / "cornell_overhead.parquet")
+    rng = np.random.default_rng(13)
+    truth = points.reference - rng.normal(0, points.reference_error)
+    sigma = points.reference_error * np.sqrt(8)
+    runs = rng.normal(truth, sigma, (8, *truth.shape))
+    assert agreement(runs, points)["passes"]
+    dimmed = runs * np.where(points.material == "Floor", 0.98, 1.0)[None, :, None]
+    assert not agreement(dimmed, points)["passes"]
