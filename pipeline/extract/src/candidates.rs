@@ -104,7 +104,7 @@ impl<'a> Proposal<'a> {
         };
         let light = self.light.at([u[6], u[7], u[8]]);
         let view = hemisphere(side, u[4], u[5]);
-        let normal = self.tracer.frame_at(&surface, view).z;
+        let normal = self.tracer.normal_at(&surface, view);
         let material = self.tracer.material_at(&surface);
         let mut raw = [0.0; columns::COUNT];
         raw[columns::P..columns::N].copy_from_slice(&surface.position.to_array());

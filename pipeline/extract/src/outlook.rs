@@ -2,8 +2,8 @@
 
 use crate::solids::{Shell, shells};
 use glam::Vec3;
-use rrf_scene::Scene;
-use rrf_trace::{SurfacePoint, Tracer};
+use rrf_scene::{INVALID, Scene};
+use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
 /// Directions that a place looks in.
 const DIRECTIONS: u32 = 32;
@@ -21,16 +21,14 @@ pub enum Outlook {
 
 /// Answers what a place sees, always by the same directions.
 pub struct Lookout<'a> {
-    scene: &'a Scene,
     tracer: &'a Tracer<'a>,
     shells: Vec<Shell>,
 }
 
 impl<'a> Lookout<'a> {
     /// Finds the scene's solids.
-    pub fn new(scene: &'a Scene, tracer: &'a Tracer<'a>) -> Lookout<'a> {
+    pub fn new(scene: &Scene, tracer: &'a Tracer<'a>) -> Lookout<'a> {
         Lookout {
-            scene,
             tracer,
             shells: shells(scene),
         }
@@ -57,27 +55,32 @@ impl<'a> Lookout<'a> {
         directions: impl Iterator<Item = Vec3>,
         origin: impl Fn(Vec3) -> Vec3,
     ) -> Votes {
-        let mut votes = Votes::default();
-        for w in directions {
-            let hit = self.tracer.closest(origin(w), w, f32::INFINITY);
-            votes.asked += 1;
-            if !hit.is_hit() {
+        let mut rays = Rays::default();
+        directions.for_each(|w| rays.push(origin(w), w, f32::INFINITY));
+        let mut hits = Hits::default();
+        self.tracer.closest(&rays, &mut hits);
+        let mut votes = Votes {
+            asked: rays.len() as u32,
+            ..Votes::default()
+        };
+        for (i, &w) in rays.direction.iter().enumerate() {
+            let triangle = hits.triangle[i];
+            if triangle == INVALID {
                 continue;
             }
             votes.hits += 1;
             let behind = self
                 .tracer
-                .point(hit.triangle, hit.barycentrics)
+                .point(triangle, hits.barycentrics[i])
                 .normal
                 .dot(w)
                 > 0.0;
-            match self.shells[hit.triangle as usize] {
+            match self.shells[triangle as usize] {
                 Shell::Outward => votes.inside += u32::from(behind),
                 Shell::Inward => votes.inside += u32::from(!behind),
                 Shell::Open => votes.behind_open += u32::from(behind),
             }
         }
-        debug_assert_eq!(self.shells.len(), self.scene.triangles.len());
         votes
     }
 }
