@@ -8,11 +8,16 @@
 mod error;
 mod load;
 mod measure;
+mod mend;
 mod options;
 mod pbrt;
 mod scene;
+mod show;
 mod summary;
 mod validate;
+
+#[cfg(test)]
+mod tests;
 
 pub use error::SceneError;
 pub use load::load;
