@@ -24,27 +24,27 @@ const LONGEST_LIST: usize = 40;
 impl fmt::Display for Summary {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(out, "{}", self.file)?;
-        writeln!(out, "  hash       {}", self.hash)?;
+        writeln!(out, "  hash         {}", self.hash)?;
         writeln!(
             out,
-            "  triangles  {} ({} vertices), area {:.6}",
+            "  triangles    {} ({} vertices), area {:.6}",
             self.triangles, self.vertices, self.area
         )?;
         if let Some(bounds) = &self.bounds {
             writeln!(
                 out,
-                "  bounds     {} to {}",
+                "  bounds       {} to {}",
                 Triple(&bounds.min),
                 Triple(&bounds.max)
             )?;
         }
-        writeln!(out, "  objects    {}", self.objects.len())?;
+        writeln!(out, "  objects      {}", self.objects.len())?;
         self.list(out, "materials", &self.materials)?;
         self.list(out, "textures", &self.textures)?;
         self.list(out, "point lights", &self.point_lights)?;
         self.list(out, "area lights", &self.area_lights)?;
         self.list(out, "cameras", &self.cameras)?;
-        writeln!(out, "  warnings   {}", self.warnings.len())?;
+        writeln!(out, "  warnings     {}", self.warnings.len())?;
         for warning in &self.warnings {
             writeln!(out, "    {}: {}", warning.place, warning.message)?;
         }
@@ -59,7 +59,7 @@ impl Summary {
         title: &str,
         entries: &[T],
     ) -> fmt::Result {
-        writeln!(out, "  {title:<10} {}", entries.len())?;
+        writeln!(out, "  {title:<12} {}", entries.len())?;
         for (id, entry) in entries.iter().take(LONGEST_LIST).enumerate() {
             writeln!(out, "    {id:>3}  {entry}")?;
         }

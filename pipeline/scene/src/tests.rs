@@ -387,8 +387,8 @@ fn summary_for_people() {
         .collect();
     let text = scene.summary().to_string();
     for words in [
-        "triangles  2 (4 vertices)",
-        "bounds     0 0 0 to 1 1 0",
+        "triangles    2 (4 vertices)",
+        "bounds       0 0 0 to 1 1 0",
         "m39",
         "and 10 more",
         "mirrored",
