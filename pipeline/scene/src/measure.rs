@@ -61,8 +61,8 @@ impl Scene {
     }
 
     /// BLAKE3 over every column that can change the light or a camera: not names, warnings
-    /// or the file's path. Equal on every machine; another order of the same triangles is
-    /// another scene, since ids are positions.
+    /// or the file's path. Equal columns have equal hashes on every machine; another order of
+    /// the same triangles is another scene, since ids are positions.
     pub fn hash(&self) -> [u8; 32] {
         let mut hash = Columns(blake3::Hasher::new());
         hash.0.update(b"rrf-scene columns 1\0");

@@ -2,7 +2,8 @@
 
 use super::fault::{Place, Read, fault};
 use super::metal::{Index, glass, named};
-use super::params::{Param, Params, Type, Values};
+use super::param::{Param, Type, Values};
+use super::params::Params;
 use super::reader::Reader;
 use super::spectrum::{
     Spectrum, blackbody, emission, emission_of_unit_luminance, illuminant, reflectance, xyz_to_rgb,

@@ -3,7 +3,8 @@
 use super::colour::place_of;
 use super::fault::{Place, Read, fault};
 use super::mesh::{Lights, Mesh};
-use super::params::{Params, Type};
+use super::param::Type;
+use super::params::Params;
 use super::reader::Reader;
 use super::state::Emission;
 use crate::{AreaLight, PointLight};

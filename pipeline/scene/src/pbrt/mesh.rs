@@ -7,9 +7,8 @@ use super::transform::{normal_matrix, swaps_handedness};
 use crate::INVALID;
 use glam::{DMat4, DVec2, DVec3, Vec2, Vec3};
 
-/// Most triangles of a scene, instances counted each time, and vertices.
-const MAX_TRIANGLES: usize = 1 << 25;
-const MAX_VERTICES: usize = 3 * MAX_TRIANGLES;
+/// Most triangles of a scene, instances counted each time; vertices may be three times as many.
+pub(super) const MAX_TRIANGLES: usize = 1 << 25;
 
 /// A shape in its object space.
 #[derive(Debug, Default)]
@@ -191,18 +190,15 @@ impl Mesh {
 impl Reader {
     /// Adds a mesh to the scene's columns, or to the object that is open.
     pub fn add_mesh(&mut self, mesh: Mesh, place: Place) -> Read<()> {
+        let limit = self.max_triangles;
         self.triangles_made = self.triangles_made.saturating_add(mesh.triangles.len());
-        let vertices = self
-            .scene
-            .positions
-            .len()
-            .saturating_add(mesh.positions.len());
-        if self.triangles_made > MAX_TRIANGLES || vertices > MAX_VERTICES {
+        self.vertices_made = self.vertices_made.saturating_add(mesh.positions.len());
+        if self.triangles_made > limit || self.vertices_made > limit.saturating_mul(3) {
             return fault(
                 place,
                 format!(
-                    "more than {MAX_TRIANGLES} triangles or {MAX_VERTICES} vertices, \
-                     instances counted each time; simplify the scene"
+                    "more than {limit} triangles (or three times as many vertices), instances \
+                     counted each time; simplify the scene"
                 ),
             );
         }

@@ -2,10 +2,11 @@
 
 use super::camera::Film;
 use super::fault::{Fault, Files, Place, Read, Warnings, fault};
-use super::mesh::Mesh;
+use super::mesh::{MAX_TRIANGLES, Mesh};
 use super::params::Params;
+use super::picture::Pictures;
 use super::state::{Block, Defaults, Emission, Saved, State, Surface, Version};
-use super::texture::{Pictures, Value};
+use super::texture::Value;
 use super::token::Tokens;
 use crate::{Scene, SceneError};
 use glam::DMat4;
@@ -59,8 +60,11 @@ pub(super) struct Reader {
     /// Materials made so far, by all that they consist of.
     pub known_materials: HashMap<String, u32>,
     pub default_surface: Option<u32>,
-    /// Triangles made so far, in the scene and in objects.
+    /// Triangles and vertices made so far, in the scene and in objects.
     pub triangles_made: usize,
+    pub vertices_made: usize,
+    /// Where a hostile file is stopped.
+    pub max_triangles: usize,
     pub film: Option<Film>,
     open: Vec<PathBuf>,
     includes: usize,
@@ -93,6 +97,8 @@ impl Reader {
             known_materials: HashMap::new(),
             default_surface: None,
             triangles_made: 0,
+            vertices_made: 0,
+            max_triangles: MAX_TRIANGLES,
             film: None,
             open: Vec::new(),
             includes: 0,

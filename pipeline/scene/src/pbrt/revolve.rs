@@ -1,4 +1,8 @@
 //! Quadrics as triangles: surfaces of revolution around z.
+//!
+//! Vertices lie on the surface, so that area and volume are below the smooth ones: by 0.2 %
+//! for a sphere's area. Under a mirroring transform a quadric's outside stays outside, as
+//! pbrt samples its lights (its intersections turn the normal there).
 
 use super::mesh::Local;
 use glam::{DVec2, DVec3};

@@ -1,5 +1,6 @@
 //! What shapes become.
 
+use super::super::reader::Reader;
 use super::{TRIANGLE, warnings, world_v3, world_v4};
 use crate::Scene;
 use glam::{Vec2, Vec3};
@@ -118,15 +119,28 @@ fn attribute_defaults() {
     assert_eq!(near, [true; 3]);
 }
 
-/// A hostile number of instances is refused before memory is taken.
+/// A hostile number of instances is refused where it passes the limit.
 #[test]
 fn too_many_triangles() {
-    let mut text = String::from("ObjectBegin \"o\" ");
-    text.push_str(&"Shape \"sphere\" ".repeat(100));
-    text.push_str("ObjectEnd ");
-    text.push_str(&"ObjectInstance \"o\" ".repeat(90));
-    let (.., message) = super::syntax(world_v4(&text));
-    assert!(message.contains("simplify the scene"), "{message}");
+    let text = format!(
+        "WorldBegin ObjectBegin \"o\" {} ObjectEnd\n{}",
+        TRIANGLE.repeat(10),
+        "ObjectInstance \"o\"\n".repeat(10)
+    );
+    let read = |limit: usize| {
+        let path = std::path::Path::new("scene.pbrt");
+        let mut reader = Reader::new(path);
+        reader.max_triangles = limit;
+        let result = reader.main_text(path, text.as_bytes());
+        result.map_err(|fault| reader.files.error(fault).to_string())
+    };
+    assert_eq!(read(110), Ok(()));
+    // The object's own 10, then instances: the tenth passes 109 on line 11.
+    let message = read(109).unwrap_err();
+    assert!(
+        message.contains("scene.pbrt:11:") && message.contains("simplify the scene"),
+        "{message}"
+    );
 }
 
 /// Deep nesting is refused, not followed into a stack overflow.
