@@ -11,6 +11,7 @@ pub mod guard;
 pub mod layout;
 pub mod manifest;
 pub mod model;
+mod parquet_check;
 mod parquet_file;
 pub mod part_reader;
 pub mod parts;

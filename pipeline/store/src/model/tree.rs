@@ -9,7 +9,7 @@ use arrow::array::{ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow::datatypes::{Float32Type, Int8Type, UInt32Type};
 use rrf_field::columns::{COUNT, Columns, N, NAMES, V};
 use rrf_field::tree::{LEAF, Tree};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -144,48 +144,12 @@ impl ModelTree {
         Ok(tree)
     }
 
-    /// A tree that any query leaves at exactly one leaf: children come after their parent,
-    /// every node but the root is one node's child, leaves name distinct cells.
+    /// A tree that any query leaves at exactly one leaf, and a domain for leaves only.
     fn validate(&self, source: Source) -> Result<(), StoreError> {
-        let Tree {
-            axis,
-            threshold,
-            left,
-            cell,
-        } = &self.tree;
-        let count = axis.len();
-        let lengths = [threshold.len(), left.len(), cell.len(), self.domains.len()];
-        if count == 0 || lengths != [count; 4] {
-            return Err(source.model("tree".into(), "no node, or columns of differing length"));
-        }
-        let mut is_child = vec![false; count];
-        let mut cells = HashSet::new();
-        let nodes = axis.iter().zip(threshold).zip(left).zip(cell).enumerate();
-        for (node, (((&axis, &threshold), &left), &cell)) in nodes {
-            let fail = |reason: &str| Err(source.model(format!("node {node}"), reason));
-            if axis == LEAF {
-                if cell == u32::MAX || !cells.insert(cell) {
-                    return fail("a leaf without a cell, or with that of another leaf");
-                }
-                continue;
-            }
-            if usize::try_from(axis).map_or(true, |axis| axis >= COUNT) {
-                return fail("its axis is no raw column");
-            }
-            if !threshold.is_finite() {
-                return fail("its threshold is not finite");
-            }
-            let left = left as usize;
-            let Some(children) = is_child.get_mut(left..left.saturating_add(2)) else {
-                return fail("its children are not in the table");
-            };
-            if left <= node || children.iter().any(|taken| *taken) {
-                return fail("its children come before it or belong to another node");
-            }
-            children.fill(true);
-        }
-        if let Some(node) = is_child.iter().skip(1).position(|taken| !taken) {
-            return Err(source.model(format!("node {}", node + 1), "no node leads to it"));
+        let check = self.tree.check();
+        check.map_err(|reason| source.model("tree".into(), reason))?;
+        if self.domains.len() != self.tree.axis.len() {
+            return Err(source.model("tree".into(), "not as many domains as nodes"));
         }
         self.validate_domains(source)
     }
