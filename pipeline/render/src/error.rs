@@ -39,6 +39,41 @@ pub enum RenderError {
         /// Height in pixels.
         height: u32,
     },
+    /// A view that shows nothing.
+    #[error("the view cannot be rendered: {reason}")]
+    View {
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A point light with a position or intensity that is not finite.
+    #[error("point light {light} (from 0) has a position or intensity that is not finite")]
+    Light {
+        /// Its place in the list.
+        light: usize,
+    },
+    /// Nets know point lights only.
+    #[error(
+        "the scene's area lights cannot light a frame by the nets; \
+         give point lights (--light x,y,z[,r,g,b]), or render the frame by path tracing"
+    )]
+    AreaLights,
+    /// Samples that do not divide evenly over a pixel's positions.
+    #[error(
+        "{samples} paths a pixel cannot be shared by {aa}x{aa} positions in it; \
+         give a multiple of {}", aa * aa
+    )]
+    Samples {
+        /// Paths a pixel.
+        samples: u32,
+        /// Positions a side.
+        aa: u32,
+    },
+    /// Evaluation of the nets.
+    #[error(transparent)]
+    Field(#[from] rrf_field::FieldError),
+    /// Tracing.
+    #[error(transparent)]
+    Trace(#[from] rrf_trace::TraceError),
     /// Two pictures of different sizes.
     #[error(
         "the pictures differ in size: {}x{} and {}x{}; render both at one size",

@@ -1,11 +1,12 @@
 //! OpenEXR files: one part, 32-bit floats, layers by dotted channel names
 //! (`R G B`, `direct.R …`, `indirect.R …`, `cell.id` as uint, `trust.Y`), as tev and Nuke read them.
+//! What the frame says of its origin stands in the standard attribute `comments`, a line a fact.
 
 use crate::error::RenderError;
 use crate::frame::{Frame, Picture};
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image,
-    Layer, LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, WritableImage,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer,
+    LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, WritableImage,
 };
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -46,11 +47,16 @@ pub fn write(path: &Path, frame: &Frame) -> Result<(), RenderError> {
     {
         return Err(failed("a layer does not cover the frame".to_string()));
     }
-    let mut attributes = LayerAttributes::default();
-    for (name, value) in &frame.attributes {
-        let value = AttributeValue::Text(text(value));
-        attributes.other.insert(text(name), value);
-    }
+    // One standard attribute: named ones of our own would be written in no fixed order.
+    let facts: String = frame
+        .attributes
+        .iter()
+        .map(|(name, value)| format!("{name}: {}\n", value.replace('\n', " ")))
+        .collect();
+    let attributes = LayerAttributes {
+        comments: Some(text(&facts)),
+        ..LayerAttributes::default()
+    };
     let channels = AnyChannels::sort(channels.into());
     let layer = Layer::new(size, attributes, ENCODING, channels);
     let staged = staged(path);
@@ -121,7 +127,10 @@ pub fn read_frame(path: &Path) -> Result<Frame, RenderError> {
         Some(_) => read_layer(path, name).map(|picture| Some(picture.pixels)),
         None => Ok(None),
     };
-    let attributes = file.layer_data.attributes.other.iter();
+    let facts = match &file.layer_data.attributes.comments {
+        Some(comments) => comments.to_string(),
+        None => String::new(),
+    };
     Ok(Frame {
         width: full.width,
         height: full.height,
@@ -133,11 +142,10 @@ pub fn read_frame(path: &Path) -> Result<Frame, RenderError> {
             _ => None,
         }),
         trust: find("trust.Y").map(|samples| samples.values_as_f32().collect()),
-        attributes: attributes
-            .filter_map(|(name, value)| match value {
-                AttributeValue::Text(text) => Some((name.to_string(), text.to_string())),
-                _ => None,
-            })
+        attributes: facts
+            .lines()
+            .filter_map(|line| line.split_once(": "))
+            .map(|(name, value)| (name.to_string(), value.to_string()))
             .collect(),
     })
 }
@@ -166,10 +174,15 @@ fn push_rgb(channels: &mut Vec<AnyChannel<FlatSamples>>, layer: &str, pixels: &[
 
 /// OpenEXR text is Latin-1; other characters are written as Rust escapes.
 fn text(value: &str) -> Text {
-    Text::new_or_none(value).unwrap_or_else(|| {
-        let escaped = value.escape_default().to_string();
-        Text::new_or_none(&escaped).unwrap_or_default()
-    })
+    let latin = |c: char| -> String {
+        if u32::from(c) < 256 {
+            c.to_string()
+        } else {
+            c.escape_unicode().to_string()
+        }
+    };
+    let value: String = value.chars().map(latin).collect();
+    Text::new_or_none(value).unwrap_or_default()
 }
 
 fn names(channels: &[AnyChannel<FlatSamples>]) -> String {

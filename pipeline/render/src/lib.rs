@@ -1,16 +1,35 @@
 //! Frames from a baked field, and how far they are from the truth.
+//!
+//! A pixel's journey: [`View::direction`] gives its camera rays; what they meet becomes rows of
+//! raw columns, tile by tile; direct light is exact, by shadow rays; the indirect light is what
+//! the nets of a [`rrf_field::Field`] say, cell by cell. [`render()`] puts the parts into a
+//! [`Frame`], [`trace_frame`] does the same view by path tracing, [`exr`] and [`png`] write them,
+//! [`compare()`] tells them apart.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod color;
 pub mod compare;
 mod convolve;
+pub mod direct;
 mod error;
 pub mod exr;
+mod facts;
 pub mod flip;
 mod frame;
 pub mod png;
+mod render;
+mod tile;
 pub mod tone;
+mod trace_frame;
+mod trust;
+mod view;
 
+pub use compare::compare;
 pub use error::RenderError;
 pub use frame::{Frame, Picture, luminance};
+pub use render::{Negative, Part, RenderOptions, render};
+pub use tile::raw;
+pub use trace_frame::trace_frame;
+pub use trust::{Notice, notices, trusted, trusted_rows};
+pub use view::{Lights, View};
