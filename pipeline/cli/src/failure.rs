@@ -2,6 +2,8 @@
 
 use rrf_bake::BakeError;
 use rrf_extract::ExtractError;
+use rrf_field::FieldError;
+use rrf_render::RenderError;
 use rrf_scene::SceneError;
 use rrf_store::StoreError;
 use rrf_trace::TraceError;
@@ -18,6 +20,8 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
             || cause.is::<SceneError>()
             || cause.is::<TraceError>()
             || cause.is::<ExtractError>()
+            || cause.is::<FieldError>()
+            || cause.downcast_ref::<RenderError>().is_some_and(RenderError::is_bad_input)
             || cause
                 .downcast_ref::<StoreError>()
                 .is_some_and(StoreError::is_bad_input)

@@ -5,13 +5,17 @@
 
 mod args;
 mod bake;
+mod compare;
 mod doctor;
 mod failure;
+mod pictures;
 mod points;
 mod progress;
 mod query;
+mod render;
 mod scene;
 mod trace;
+mod view;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -39,7 +43,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Bake(args) => bake::bake(args, cli.quiet),
         Command::Extract(args) => bake::extract(args, cli.quiet),
         Command::Train(args) => bake::train(args, cli.quiet),
-        Command::Render(_) | Command::Compare(_) => anyhow::bail!("frames"),
+        Command::Render(args) => render::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Trace(args) => trace::run(args, cli.quiet),
         Command::Query(args) => query::run(args),
         Command::Scene(args) => scene::run(args),

@@ -4,12 +4,14 @@ use crate::args::QueryArgs;
 use crate::points;
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
 use rrf_bake::Run;
-use rrf_field::Field;
+use rrf_extract::{Lookout, Outlook};
+use rrf_field::{Field, columns};
+use rrf_scene::Scene;
 use rrf_store::guard::Limits;
 use rrf_store::model;
-use rrf_store::points::{check_ending, read_points, write_points};
+use rrf_store::points::{PointsTable, check_ending, read_points, write_points};
 use rrf_store::schema::Table;
-use rrf_trace::Tracer;
+use rrf_trace::{SurfacePoint, Tracer};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -28,6 +30,7 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     let mut radiance: [Vec<f32>; 3] = Default::default();
     let mut cells = Vec::new();
     field.evaluate(&rows, &mut radiance, &mut cells)?;
+    darken_sealed(&scene, &tracer, &located, &table, &mut radiance);
     let [r, g, b] = radiance.map(|channel| Arc::new(Float32Array::from(channel)) as ArrayRef);
     let untrusted = trusted.iter().filter(|&&t| !t).count();
     let added: BTreeMap<&str, ArrayRef> = BTreeMap::from([
@@ -44,4 +47,23 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
         rows.len()
     );
     Ok(())
+}
+
+/// A point sealed inside a solid, or with an empty hemisphere, receives no light from outside:
+/// exactly zero, which no net was trained on.
+fn darken_sealed(
+    scene: &Scene,
+    tracer: &Tracer,
+    located: &[SurfacePoint],
+    table: &PointsTable,
+    radiance: &mut [Vec<f32>; 3],
+) {
+    let lookout = Lookout::new(scene, tracer);
+    let viewers = points::vectors(table, columns::V);
+    for (row, (point, &v)) in located.iter().zip(&viewers).enumerate() {
+        let side = if point.normal.dot(v) < 0.0 { -point.normal } else { point.normal };
+        if lookout.from_surface(point, side) != Outlook::Open {
+            radiance.iter_mut().for_each(|channel| channel[row] = 0.0);
+        }
+    }
 }

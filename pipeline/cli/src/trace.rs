@@ -2,7 +2,7 @@
 
 use crate::args::TraceArgs;
 use crate::failure::BadInput;
-use crate::{points, progress, scene};
+use crate::{pictures, points, progress, scene, view};
 use arrow::array::{ArrayRef, Float32Array};
 use glam::Vec3;
 use rrf_field::columns;
@@ -30,8 +30,34 @@ pub fn run(args: &TraceArgs, quiet: bool) -> anyhow::Result<()> {
             let unlit = scene.unlit();
             trace_points(args, &scene, &Tracer::new(&unlit)?, table, quiet)
         }
-        None => anyhow::bail!("frames"),
+        None => trace_frame(args, &scene, quiet),
     }
+}
+
+fn trace_frame(args: &TraceArgs, scene: &Scene, quiet: bool) -> anyhow::Result<()> {
+    pictures::check_endings(&args.output)?;
+    let frame_view = view::view(&args.view, scene)?;
+    let lights = view::lights(&args.view, scene)?;
+    let unlit;
+    let lit = if lights.area {
+        scene
+    } else {
+        unlit = scene.unlit();
+        &unlit
+    };
+    let tracer = Tracer::new(lit)?;
+    let bar = progress::bar(quiet, u64::from(frame_view.height), "trace");
+    let frame = rrf_render::trace_frame(
+        &tracer,
+        &frame_view,
+        &lights,
+        args.spp,
+        args.view.aa,
+        args.seed,
+        &|rows| bar.inc(rows),
+    )?;
+    bar.finish_and_clear();
+    pictures::write(frame, &args.view, &args.output)
 }
 
 fn trace_points(
