@@ -5,11 +5,10 @@ use crate::error::RenderError;
 use crate::facts;
 use crate::frame::Frame;
 use crate::tile::{Tile, Visible};
-use crate::trust::trusted;
 use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
-use rrf_field::tree::Domain;
+use rrf_field::columns::{self, Columns};
 use rrf_field::{Field, Light};
 use rrf_trace::Tracer;
 
@@ -35,20 +34,24 @@ pub enum Negative {
     Zero,
 }
 
+/// Whether the nets were trained for each of the rows.
+pub type Trusted<'a> = dyn Fn(&Columns) -> Vec<bool> + Sync + 'a;
+
 /// How a frame is made.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RenderOptions {
+#[derive(Clone, Copy, Default)]
+pub struct RenderOptions<'a> {
     /// Part of the light.
     pub part: Part,
     /// Camera rays a pixel are `aa` x `aa`; 0 means 1.
     pub aa: u32,
     /// Negative radiance of the indirect part, pixel by pixel and channel by channel.
     pub negative: Negative,
-    /// What each cell was trained on, by cell id; with it the frame has a trust layer.
-    pub domains: Option<Vec<Domain>>,
+    /// Tells which rows, light included, the nets were trained for; with it the frame has a
+    /// trust layer.
+    pub trusted: Option<&'a Trusted<'a>>,
 }
 
-impl RenderOptions {
+impl RenderOptions<'_> {
     fn side(&self) -> u32 {
         self.aa.max(1)
     }
@@ -103,7 +106,7 @@ pub fn render(
         direct: with_direct.then_some(direct),
         indirect: with_indirect.then_some(indirect),
         cell: with_indirect.then_some(cell),
-        trust: (with_indirect && options.domains.is_some()).then_some(trust),
+        trust: (with_indirect && options.trusted.is_some()).then_some(trust),
         attributes: facts::of_render(view, lights, options),
     })
 }
@@ -131,10 +134,8 @@ fn render_tile(
         trust: vec![0.0; tile.pixels()],
     };
     if with_direct {
-        let rows = seen.points.iter().enumerate();
-        let values =
-            rows.map(|(r, point)| point_lights(tracer, point, seen.viewer(r), &lights.points));
-        seen.gather(values, weight, &mut layers.direct);
+        let values = point_lights(tracer, &seen, &lights.points);
+        seen.gather(values.into_iter(), weight, &mut layers.direct);
     }
     if with_indirect {
         indirect(field, &seen, lights, options, weight, &mut layers)?;
@@ -173,11 +174,26 @@ fn indirect(
     for (&pixel, &cell) in seen.pixel.iter().zip(&cells).rev() {
         layers.cell[pixel as usize] = cell; // of the pixel's first ray that hit
     }
-    if let Some(domains) = &options.domains {
-        let trust = trusted(field, domains, &seen.rows, &points)?;
+    if let Some(trusted) = options.trusted {
+        let trust = trusted_under_all(trusted, &seen.rows, &points);
         for (&pixel, trust) in seen.pixel.iter().zip(trust) {
             layers.trust[pixel as usize] += if trust { weight } else { 0.0 };
         }
     }
     Ok(())
+}
+
+/// Whether each row is trusted under every one of the lights.
+fn trusted_under_all(trusted: &Trusted, rows: &Columns, lights: &[Light]) -> Vec<bool> {
+    let mut rows = rows.clone();
+    let mut all = vec![true; rows.len()];
+    for light in lights {
+        for (i, x) in light.position.into_iter().enumerate() {
+            rows.columns[columns::L + i].fill(x);
+        }
+        for (all, one) in all.iter_mut().zip(trusted(&rows)) {
+            *all &= one;
+        }
+    }
+    all
 }

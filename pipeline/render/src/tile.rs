@@ -3,7 +3,8 @@
 use crate::view::View;
 use glam::Vec3;
 use rrf_field::columns::{self, Columns};
-use rrf_trace::{SurfacePoint, Tracer};
+use rrf_scene::INVALID;
+use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
 /// Pixels a side of a tile: its rows and what is computed from them stay in a core's cache.
 pub const SIDE: u32 = 32;
@@ -64,20 +65,25 @@ pub struct Visible {
 impl Visible {
     /// Shoots `aa` x `aa` rays a pixel through the centres of its sub-squares.
     pub fn shoot(tracer: &Tracer, view: &View, tile: Tile, aa: u32) -> Visible {
-        let mut seen = Visible::default();
+        let (mut rays, mut hits) = (Rays::default(), Hits::default());
         for pixel in 0..tile.pixels() as u32 {
             let (x, y) = (tile.x + pixel % tile.width, tile.y + pixel / tile.width);
             for sub in 0..aa * aa {
                 let offset = |i: u32| (i as f32 + 0.5) / aa as f32;
-                let direction =
-                    view.direction(x as f32 + offset(sub % aa), y as f32 + offset(sub / aa));
-                let hit = tracer.closest(view.eye, direction, f32::INFINITY);
-                if let Some(point) = tracer.point_of(&hit) {
-                    seen.rows.push(raw(tracer, &point, -direction));
-                    seen.points.push(point);
-                    seen.pixel.push(pixel);
-                }
+                let (x, y) = (x as f32 + offset(sub % aa), y as f32 + offset(sub / aa));
+                rays.push(view.eye, view.direction(x, y), f32::INFINITY);
             }
+        }
+        tracer.closest(&rays, &mut hits);
+        let mut seen = Visible::default();
+        for (ray, &triangle) in hits.triangle.iter().enumerate() {
+            if triangle == INVALID {
+                continue;
+            }
+            let point = tracer.point(triangle, hits.barycentrics[ray]);
+            seen.rows.push(raw(tracer, &point, -rays.direction[ray]));
+            seen.points.push(point);
+            seen.pixel.push(ray as u32 / (aa * aa));
         }
         seen
     }
@@ -104,7 +110,7 @@ pub fn raw(tracer: &Tracer, point: &SurfacePoint, v: Vec3) -> [f32; columns::COU
         raw[first..first + 3].copy_from_slice(&value.to_array());
     };
     put(columns::P, point.position);
-    put(columns::N, tracer.frame_at(point, v).z);
+    put(columns::N, tracer.normal_at(point, v));
     put(columns::V, v);
     put(columns::BASE, material.base_color);
     raw[columns::ROUGHNESS] = material.roughness;

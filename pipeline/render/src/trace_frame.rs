@@ -7,7 +7,6 @@ use crate::frame::Frame;
 use crate::tile::{Tile, Visible};
 use crate::view::{Lights, View};
 use glam::Vec3;
-use rayon::prelude::*;
 use rrf_trace::{Queries, Stream, Tracer, indirect};
 
 /// Stage number of the random streams.
@@ -72,9 +71,7 @@ fn trace_row(
     let weight = 1.0 / (aa * aa) as f32;
     let viewers: Vec<Vec3> = (0..seen.points.len()).map(|r| seen.viewer(r)).collect();
     let mut direct = vec![Vec3::ZERO; tile.pixels()];
-    let exact: Vec<Vec3> = (seen.points.par_iter().zip(&viewers))
-        .map(|(point, &v)| point_lights(tracer, point, v, &lights.points))
-        .collect();
+    let exact = point_lights(tracer, &seen, &lights.points);
     seen.gather(exact.into_iter(), weight, &mut direct);
 
     let mut reflected = vec![Vec3::ZERO; tile.pixels()];

@@ -1,52 +1,6 @@
-//! Whether the nets were trained for what they are asked.
+//! What a user should know of a view and its lights before a frame is believed.
 
-use crate::error::RenderError;
 use glam::Vec3;
-use rrf_field::columns::{self, Columns};
-use rrf_field::tree::Domain;
-use rrf_field::{Field, Light};
-
-/// Whether each row, under every one of the lights, lies in the box that the training rows of
-/// its cell span. `domains` by cell id, bounds included. The rows' own light columns are not
-/// read.
-pub fn trusted(
-    field: &Field,
-    domains: &[Domain],
-    rows: &Columns,
-    lights: &[Light],
-) -> Result<Vec<bool>, RenderError> {
-    let mut rows = rows.clone();
-    let mut trusted = vec![true; rows.len()];
-    for light in lights {
-        for (i, x) in light.position.into_iter().enumerate() {
-            rows.columns[columns::L + i].fill(x);
-        }
-        let own = trusted_rows(field, domains, &rows)?;
-        for (all, own) in trusted.iter_mut().zip(own) {
-            *all &= own;
-        }
-    }
-    Ok(trusted)
-}
-
-/// As [`trusted`], for rows that carry their own light.
-pub fn trusted_rows(
-    field: &Field,
-    domains: &[Domain],
-    rows: &Columns,
-) -> Result<Vec<bool>, RenderError> {
-    let mut cells = Vec::new();
-    field.cells(rows, &mut cells)?;
-    let within = |(row, &cell): (usize, &u32)| {
-        domains.get(cell as usize).is_some_and(|domain| {
-            (0..columns::COUNT).all(|c| {
-                let x = rows.columns[c][row];
-                domain.minimum[c] <= x && x <= domain.maximum[c]
-            })
-        })
-    };
-    Ok(cells.iter().enumerate().map(within).collect())
-}
 
 /// Something about a view and its lights that a user should know.
 #[derive(Clone, Debug, PartialEq)]
