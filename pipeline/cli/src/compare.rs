@@ -7,7 +7,11 @@ use rrf_render::{compare, exr};
 /// Prints every measure with its definition.
 pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
     // the picture itself stands in the default layer
-    let layer = if args.layer == "full" { "" } else { &args.layer };
+    let layer = if args.layer == "full" {
+        ""
+    } else {
+        &args.layer
+    };
     let test = exr::read_layer(&args.a, layer)?;
     let reference = exr::read_layer(&args.b, layer)?;
     let comparison = compare(&reference, &test, args.exposure.map(|ev| Exposure { ev }))?;
@@ -28,7 +32,10 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
         comparison.test_luminance, comparison.reference_luminance, comparison.exposure.ev
     );
     for measure in &comparison.measures {
-        println!("{:<16} {:>10.5}   {}", measure.name, measure.value, measure.definition);
+        println!(
+            "{:<16} {:>10.5}   {}",
+            measure.name, measure.value, measure.definition
+        );
     }
     Ok(())
 }

@@ -21,7 +21,9 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
             || cause.is::<TraceError>()
             || cause.is::<ExtractError>()
             || cause.is::<FieldError>()
-            || cause.downcast_ref::<RenderError>().is_some_and(RenderError::is_bad_input)
+            || cause
+                .downcast_ref::<RenderError>()
+                .is_some_and(RenderError::is_bad_input)
             || cause
                 .downcast_ref::<StoreError>()
                 .is_some_and(StoreError::is_bad_input)

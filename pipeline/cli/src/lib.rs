@@ -23,6 +23,7 @@ use std::process::ExitCode;
 
 /// Runs the command line and returns its exit code.
 pub fn main() -> ExitCode {
+    end_quietly_on_closed_pipe();
     let cli = Cli::parse();
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
@@ -49,5 +50,14 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Query(args) => query::run(args),
         Command::Scene(args) => scene::run(args),
         Command::Doctor(_) => doctor::run(),
+    }
+}
+
+/// `rrf compare ... | head` is no failure: like other Unix programs, stop when the reader has.
+fn end_quietly_on_closed_pipe() {
+    #[cfg(unix)]
+    // SAFETY: sets a signal's disposition to the default before any thread or handler exists.
+    unsafe {
+        libc::signal(libc::SIGPIPE, libc::SIG_DFL);
     }
 }

@@ -8,7 +8,10 @@ use std::path::{Path, PathBuf};
 
 /// Refuses endings that no picture has, before any work is done.
 pub fn check_endings(outputs: &[PathBuf]) -> Result<(), BadInput> {
-    match outputs.iter().find(|path| !["exr", "png"].contains(&ending(path).as_str())) {
+    match outputs
+        .iter()
+        .find(|path| !["exr", "png"].contains(&ending(path).as_str()))
+    {
         None => Ok(()),
         Some(path) => Err(BadInput(format!(
             "{}: unknown picture format (known: .exr, .png)",
@@ -32,13 +35,22 @@ pub fn write(mut frame: Frame, args: &ViewArgs, outputs: &[PathBuf]) -> anyhow::
             continue;
         }
         let picture = frame.picture();
-        let exposure = args.exposure.map_or_else(|| Exposure::automatic(&picture), |ev| Exposure { ev });
+        let exposure = args
+            .exposure
+            .map_or_else(|| Exposure::automatic(&picture), |ev| Exposure { ev });
         png::write(path, &png::tone_mapped(&picture, exposure))?;
-        println!("{}: exposure {:+.2} stops, sRGB", path.display(), exposure.ev);
+        println!(
+            "{}: exposure {:+.2} stops, sRGB",
+            path.display(),
+            exposure.ev
+        );
     }
     Ok(())
 }
 
 fn ending(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+    path.extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase()
 }

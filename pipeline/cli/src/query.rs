@@ -61,7 +61,11 @@ fn darken_sealed(
     let lookout = Lookout::new(scene, tracer);
     let viewers = points::vectors(table, columns::V);
     for (row, (point, &v)) in located.iter().zip(&viewers).enumerate() {
-        let side = if point.normal.dot(v) < 0.0 { -point.normal } else { point.normal };
+        let side = if point.normal.dot(v) < 0.0 {
+            -point.normal
+        } else {
+            point.normal
+        };
         if lookout.from_surface(point, side) != Outlook::Open {
             radiance.iter_mut().for_each(|channel| channel[row] = 0.0);
         }

@@ -27,7 +27,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let lookout = Lookout::new(&scene, &tracer);
     let positions = lights.points.iter().map(|light| light.position);
     let light_box = Some([Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1)]);
-    for notice in notices(frame_view.eye, positions, light_box, |p| lookout.inside_solid(p)) {
+    for notice in notices(frame_view.eye, positions, light_box, |p| {
+        lookout.inside_solid(p)
+    }) {
         eprintln!("warning: {notice}");
     }
 
