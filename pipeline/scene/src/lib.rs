@@ -20,6 +20,8 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod error;
+mod file;
+mod gltf;
 mod load;
 mod measure;
 mod mend;
@@ -28,7 +30,9 @@ mod pbrt;
 mod scene;
 mod show;
 mod summary;
+mod texture;
 mod validate;
+mod warn;
 
 #[cfg(test)]
 mod tests;

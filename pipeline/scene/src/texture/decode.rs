@@ -1,0 +1,224 @@
+//! Pictures to linear texels.
+
+use crate::Texture;
+use glam::Vec3;
+use image::{DynamicImage, ImageReader};
+use std::collections::HashMap;
+use std::hash::Hash;
+use std::io::Cursor;
+
+/// Most texels of all textures of a scene: 12 bytes each, 1.6 GB. Compressed pictures can
+/// claim far more than their own size, so the claim is checked before it is granted.
+const MAX_TEXELS: u64 = 1 << 27;
+
+/// What the numbers in a picture file mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Encoding {
+    /// Colours under the sRGB transfer curve (IEC 61966-2-1), decoded to linear.
+    Srgb,
+    /// Numbers as they are, scaled to [0, 1].
+    Linear,
+    /// Tangent-space normals, their x and y scaled by the number (its f32 bits).
+    Normal(u32),
+}
+
+/// The scene's textures while it is being read: each picture decoded once a use.
+pub(crate) struct TextureTable<K> {
+    ids: HashMap<(K, Encoding), u32>,
+    textures: Vec<Texture>,
+    texels: u64,
+}
+
+impl<K: Hash + Eq> TextureTable<K> {
+    /// Empty.
+    pub(crate) fn new() -> Self {
+        Self {
+            ids: HashMap::new(),
+            textures: Vec::new(),
+            texels: 0,
+        }
+    }
+
+    /// The id of picture `key`, if it was decoded before with this encoding.
+    pub(crate) fn get(&self, key: K, encoding: Encoding) -> Option<u32> {
+        self.ids.get(&(key, encoding)).copied()
+    }
+
+    /// Decodes a PNG or JPEG file's bytes as picture `key`; the error is a message.
+    pub(crate) fn insert(
+        &mut self,
+        key: K,
+        encoding: Encoding,
+        bytes: &[u8],
+    ) -> Result<u32, String> {
+        let texture = decode(bytes, encoding, MAX_TEXELS - self.texels)?;
+        self.texels += texture.texels.len() as u64;
+        let id = self.textures.len() as u32;
+        self.textures.push(texture);
+        self.ids.insert((key, encoding), id);
+        Ok(id)
+    }
+
+    /// The mean over a picture that no surface looks up, linear RGB; the error is a message.
+    pub(crate) fn mean(&self, encoding: Encoding, bytes: &[u8]) -> Result<Vec3, String> {
+        Ok(decode(bytes, encoding, MAX_TEXELS - self.texels)?.mean())
+    }
+
+    /// The textures, ids as positions.
+    pub(crate) fn into_textures(self) -> Vec<Texture> {
+        self.textures
+    }
+}
+
+fn decode(bytes: &[u8], encoding: Encoding, max_texels: u64) -> Result<Texture, String> {
+    let open = || {
+        ImageReader::new(Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|error| error.to_string())
+    };
+    let unreadable = |error| format!("picture cannot be decoded: {error} (read here: PNG, JPEG)");
+    let (width, height) = open()?.into_dimensions().map_err(unreadable)?;
+    let texels = u64::from(width) * u64::from(height);
+    if texels > max_texels {
+        return Err(format!(
+            "picture of {width} x {height} texels: the scene's textures together may have \
+             {MAX_TEXELS} texels; use a smaller picture"
+        ));
+    }
+    let image = open()?.decode().map_err(unreadable)?;
+    let mut texture = Texture {
+        width: image.width(),
+        height: image.height(),
+        texels: linear_texels(&image, encoding),
+    };
+    if let Encoding::Normal(bits) = encoding {
+        scale_normals(&mut texture.texels, f32::from_bits(bits));
+    }
+    Ok(texture)
+}
+
+/// Grey is repeated over the channels, alpha is dropped.
+fn linear_texels(image: &DynamicImage, encoding: Encoding) -> Vec<Vec3> {
+    let curve = |levels: u32| -> Vec<f32> {
+        let level = |i| i as f32 / (levels - 1) as f32;
+        match encoding {
+            Encoding::Srgb => (0..levels).map(|i| srgb_to_linear(level(i))).collect(),
+            Encoding::Linear | Encoding::Normal(_) => (0..levels).map(level).collect(),
+        }
+    };
+    let is_8_bit = image.color().bytes_per_pixel() == image.color().channel_count();
+    if is_8_bit {
+        let curve = curve(1 << 8);
+        let texel = |pixel: &image::Rgb<u8>| pixel.0.map(|c| curve[usize::from(c)]).into();
+        image.to_rgb8().pixels().map(texel).collect()
+    } else {
+        let curve = curve(1 << 16);
+        let texel = |pixel: &image::Rgb<u16>| pixel.0.map(|c| curve[usize::from(c)]).into();
+        image.to_rgb16().pixels().map(texel).collect()
+    }
+}
+
+/// The sRGB transfer curve's inverse (IEC 61966-2-1).
+fn srgb_to_linear(value: f32) -> f32 {
+    if value <= 0.040_45 {
+        value / 12.92
+    } else {
+        ((value + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// glTF 2.0, section 3.9.3: normalize((2 texel - 1) * (scale, scale, 1)), encoded again.
+/// A texel without direction becomes the unbent normal.
+fn scale_normals(texels: &mut [Vec3], scale: f32) {
+    for texel in texels {
+        let bent = (*texel * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0);
+        *texel = (bent.try_normalize().unwrap_or(Vec3::Z) + 1.0) * 0.5;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{ImageFormat, Luma, Rgb, Rgba};
+
+    fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        let image: DynamicImage = image.into();
+        image.write_to(&mut bytes, ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    }
+
+    fn first_texel(bytes: &[u8], encoding: Encoding) -> Vec3 {
+        decode(bytes, encoding, MAX_TEXELS).unwrap().texels[0]
+    }
+
+    #[test]
+    fn srgb_curve_is_the_standard_one() {
+        // Tabulated values of IEC 61966-2-1.
+        for (encoded, linear) in [(0.0, 0.0), (0.5, 0.214_041_14), (1.0, 1.0)] {
+            assert!((srgb_to_linear(encoded) - linear).abs() < 1e-6);
+        }
+        // The two branches meet: the standard's rounding leaves a step of 2e-8.
+        assert!((srgb_to_linear(0.040_45) - srgb_to_linear(0.040_450_1)).abs() < 1e-7);
+    }
+
+    #[test]
+    fn every_pixel_layout_becomes_linear_rgb() {
+        let half = srgb_to_linear(128.0 / 255.0);
+        let rgb = png(image::RgbImage::from_pixel(2, 1, Rgb([255, 128, 0])));
+        let want = Vec3::new(1.0, half, 0.0);
+        assert_eq!(first_texel(&rgb, Encoding::Srgb), want);
+        let rgba = png(image::RgbaImage::from_pixel(2, 1, Rgba([255, 128, 0, 3])));
+        assert_eq!(first_texel(&rgba, Encoding::Srgb), want);
+        let grey = png(image::GrayImage::from_pixel(2, 1, Luma([128])));
+        assert_eq!(first_texel(&grey, Encoding::Srgb), Vec3::splat(half));
+        let deep = image::ImageBuffer::from_pixel(2, 1, Rgb([65_535_u16, 257 * 128, 1]));
+        let got = first_texel(&png(deep), Encoding::Linear);
+        let want = Vec3::new(1.0, 128.0 / 255.0, 1.0 / 65_535.0);
+        assert!((got - want).abs().max_element() < 1e-7, "{got}");
+    }
+
+    #[test]
+    fn normals_are_scaled_and_stay_unit() {
+        let encode = |n: Vec3| (n.normalize() + 1.0) * 0.5;
+        let mut texels = [encode(Vec3::new(1.0, 2.0, 4.0)), Vec3::splat(0.5)];
+        scale_normals(&mut texels, 0.5);
+        let want = encode(Vec3::new(0.5, 1.0, 4.0));
+        assert!((texels[0] - want).abs().max_element() < 1e-6);
+        assert_eq!(texels[1], Vec3::new(0.5, 0.5, 1.0));
+    }
+
+    #[test]
+    fn pictures_beyond_the_limit_are_refused_before_decoding() {
+        let bytes = png(image::GrayImage::new(64, 64));
+        let error = decode(&bytes, Encoding::Srgb, 64 * 64 - 1).unwrap_err();
+        assert!(error.contains("64 x 64"), "{error}");
+        assert!(decode(&bytes, Encoding::Srgb, 64 * 64).is_ok());
+    }
+
+    #[test]
+    fn broken_pictures_are_messages() {
+        let bytes = png(image::RgbImage::from_fn(9, 7, |x, y| {
+            Rgb([x as u8 * 20, y as u8 * 30, 77])
+        }));
+        assert!(decode(b"not a picture", Encoding::Srgb, MAX_TEXELS).is_err());
+        for cut in 0..bytes.len() - 12 {
+            assert!(
+                decode(&bytes[..cut], Encoding::Srgb, MAX_TEXELS).is_err(),
+                "{cut}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_picture_is_decoded_once_a_use() {
+        let bytes = png(image::GrayImage::new(2, 2));
+        let mut table = TextureTable::new();
+        let colour = table.insert(0, Encoding::Srgb, &bytes).unwrap();
+        let number = table.insert(0, Encoding::Linear, &bytes).unwrap();
+        assert_ne!(colour, number);
+        assert_eq!(table.get(0, Encoding::Srgb), Some(colour));
+        assert_eq!(table.get(0, Encoding::Normal(0)), None);
+        assert_eq!(table.into_textures().len(), 2);
+    }
+}
