@@ -25,6 +25,7 @@ mod gltf;
 mod load;
 mod measure;
 mod mend;
+mod obj;
 mod options;
 mod pbrt;
 mod scene;

@@ -1,7 +1,7 @@
 //! One entry for every scene format.
 
 use crate::validate::validate;
-use crate::{LoadOptions, Scene, SceneError, gltf, pbrt};
+use crate::{LoadOptions, Scene, SceneError, gltf, obj, pbrt};
 use std::path::Path;
 
 /// Reads a scene file; the ending chooses the format: `.pbrt`, `.gltf`, `.glb`, `.obj`.
@@ -16,6 +16,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let scene = match ending.as_deref() {
         Some("pbrt") => pbrt::read(path, options),
         Some("gltf" | "glb") => gltf::read(path, options),
+        Some("obj") => obj::read(path, options),
         _ => Err(SceneError::UnknownFormat {
             path: path.to_path_buf(),
         }),

@@ -11,6 +11,10 @@ use std::io::Cursor;
 /// claim far more than their own size, so the claim is checked before it is granted.
 const MAX_TEXELS: u64 = 1 << 27;
 
+/// Most texels that a byte of a picture file can hold: deflate's greatest ratio, 1032, of
+/// texels of one bit. JPEG stays below.
+const MAX_TEXELS_A_BYTE: u64 = 8 * 1032;
+
 /// What the numbers in a picture file mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Encoding {
@@ -83,6 +87,12 @@ fn decode(bytes: &[u8], encoding: Encoding, max_texels: u64) -> Result<Texture, 
         return Err(format!(
             "picture of {width} x {height} texels: the scene's textures together may have \
              {MAX_TEXELS} texels; use a smaller picture"
+        ));
+    }
+    if texels > MAX_TEXELS_A_BYTE * bytes.len() as u64 {
+        return Err(format!(
+            "picture of {width} x {height} texels in {} bytes: truncated or damaged",
+            bytes.len()
         ));
     }
     let image = open()?.decode().map_err(unreadable)?;
