@@ -38,6 +38,23 @@ pub struct Material {
     pub normal_texture: u32,
 }
 
+impl Material {
+    /// Ideal diffuse reflection, without textures.
+    pub fn lambert(name: impl Into<String>, base_color: Vec3) -> Self {
+        Self {
+            name: name.into(),
+            kind: MaterialKind::Lambert,
+            base_color,
+            roughness: 1.0,
+            metallic: 0.0,
+            specular: 0.0,
+            base_texture: INVALID,
+            roughness_metallic_texture: INVALID,
+            normal_texture: INVALID,
+        }
+    }
+}
+
 /// A decoded picture, row-major from the top, three linear f32 channels a texel.
 /// Looked up with wrap-around repetition and bilinear interpolation.
 #[derive(Clone, Debug, PartialEq)]

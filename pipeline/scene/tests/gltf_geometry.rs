@@ -110,8 +110,10 @@ fn points_and_lines_are_left_out_with_a_warning() {
         let positions = glb.floats(&SQUARE);
         let primitive = json!({ "attributes": { "POSITION": positions }, "mode": mode });
         glb.place(primitive, json!({}));
+        assert!(glb.refused().contains("no triangles"));
+        glb.some_triangle();
         let scene = glb.load().unwrap();
-        assert!(scene.triangles.is_empty() && scene.positions.is_empty());
+        assert_eq!((scene.triangles.len(), scene.positions.len()), (1, 3));
         assert!(warns(&scene, "no surface"), "{:?}", scene.warnings);
     }
 }
@@ -144,6 +146,8 @@ fn sparse_accessors_replace_elements_of_a_base_or_of_zeros() {
         let last = if with_base { Vec3::Y } else { Vec3::ZERO };
         let want = [Vec3::ZERO, Vec3::X * 5.0, Vec3::new(5.0, 7.0, 0.0), last];
         assert_eq!(scene.positions, want);
+        // Without a base the second triangle has two corners at the origin.
+        assert_eq!(scene.triangles.len(), if with_base { 2 } else { 1 });
     }
 }
 

@@ -91,7 +91,7 @@ impl Materials {
         let (material, radiance) = match mtl.cloned() {
             Some(mtl) => (self.convert(&mtl, warnings), self.radiance(&mtl, warnings)),
             None => (
-                lambert("default".into(), Vec3::splat(self.default_albedo)),
+                Material::lambert("default", Vec3::splat(self.default_albedo)),
                 Vec3::ZERO,
             ),
         };
@@ -131,26 +131,15 @@ impl Materials {
             warnings.add(&mtl.place, format!("no Kd: read as {none}"));
         }
         let colour = mtl.diffuse.unwrap_or(Vec3::splat(none));
-        let unit = |value: Vec3, what: &str, warnings: &mut Warnings| {
-            let inside = value.clamp(Vec3::ZERO, Vec3::ONE);
-            if inside != value {
-                let message = format!("{what} {value} is outside [0, 1]: read as {inside}");
-                warnings.add(&mtl.place, message);
-            }
-            inside
-        };
-        let mut material = lambert(mtl.name.clone(), unit(colour, "Kd", warnings));
+        let mut material = Material::lambert(&mtl.name, colour);
         if mtl.roughness.is_some() || mtl.metallic.is_some() {
-            let roughness = Vec3::splat(mtl.roughness.unwrap_or(0.5));
-            let metallic = Vec3::splat(mtl.metallic.unwrap_or(0.0));
             let index = mtl.index.unwrap_or(1.5);
             let ratio = (index - 1.0) / (index + 1.0);
             material.kind = MaterialKind::Principled;
-            material.roughness = unit(roughness, "Pr", warnings).x;
-            material.metallic = unit(metallic, "Pm", warnings).x;
+            material.roughness = mtl.roughness.unwrap_or(0.5);
+            material.metallic = mtl.metallic.unwrap_or(0.0);
             // F0 = ((n - 1) / (n + 1))^2 = 0.08 specular.
-            let specular = Vec3::splat(ratio * ratio / 0.08);
-            material.specular = unit(specular, "specular of Ni", warnings).x;
+            material.specular = ratio * ratio / 0.08;
         }
         material.base_texture = self.texture(mtl, &mtl.diffuse_map, Encoding::Srgb, warnings);
         let normal = Encoding::Normal(1.0_f32.to_bits());
@@ -212,20 +201,6 @@ impl Materials {
             warnings.add(&mtl.place, message);
             INVALID
         })
-    }
-}
-
-fn lambert(name: String, base_color: Vec3) -> Material {
-    Material {
-        name,
-        kind: MaterialKind::Lambert,
-        base_color,
-        roughness: 1.0,
-        metallic: 0.0,
-        specular: 0.0,
-        base_texture: INVALID,
-        roughness_metallic_texture: INVALID,
-        normal_texture: INVALID,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Statements of an MTL library.
 
-use super::scan::statements;
+use super::lines::statements;
 use crate::SceneError;
 use crate::warn::Warnings;
 use glam::Vec3;

@@ -5,9 +5,9 @@
 //! in one way, with a new object wherever faces begin or end to have texture coordinates
 //! or normals.
 
+use super::lines::{Reader, statements};
 use crate::SceneError;
 use crate::warn::Warnings;
-use std::io::{self, BufRead, Read};
 use std::path::Path;
 
 /// Free-form curves and surfaces, points, lines.
@@ -55,11 +55,7 @@ pub(super) struct Scan {
 impl Scan {
     /// The text with a count of the lines read.
     pub(super) fn reader(&self) -> Reader<'_> {
-        Reader {
-            scan: self,
-            rest: self.text.as_bytes(),
-            read: 0,
-        }
+        Reader::new(&self.text, &self.lines)
     }
 }
 
@@ -279,76 +275,6 @@ impl Scanner<'_> {
     }
 }
 
-/// Statements with the numbers of their (first) lines: comments, blank lines and the
-/// backslashes of continued lines are gone.
-pub(super) fn statements(text: &str) -> impl Iterator<Item = (u32, String)> {
-    let mut lines = (1_u32..).zip(text.lines());
-    std::iter::from_fn(move || {
-        loop {
-            let (number, line) = lines.next()?;
-            let mut statement = without_comment(line).to_owned();
-            while statement.ends_with('\\') {
-                statement.pop();
-                let Some((_, next)) = lines.next() else { break };
-                statement.push(' ');
-                statement.push_str(without_comment(next));
-            }
-            if !statement.trim().is_empty() {
-                return Some((number, statement.trim().to_owned()));
-            }
-        }
-    })
-}
-
-/// A comment runs from `#`, at the start or after a blank, to the line's end; a name may
-/// have one inside.
-fn without_comment(line: &str) -> &str {
-    let is_start = |&(at, _): &(usize, &str)| {
-        line.get(..at)
-            .is_some_and(|before| before.is_empty() || before.ends_with(char::is_whitespace))
-    };
-    let comment = line.match_indices('#').find(is_start);
-    let end = comment.map_or(line.len(), |(at, _)| at);
-    line.get(..end).unwrap_or(line).trim_end()
-}
-
-/// Hands the scanned text to `tobj`.
-pub(super) struct Reader<'a> {
-    scan: &'a Scan,
-    rest: &'a [u8],
-    read: usize,
-}
-
-impl Reader<'_> {
-    /// The file's line of the last line read.
-    pub(super) fn line(&self) -> u32 {
-        let last = self.read.checked_sub(1);
-        let line = last.and_then(|last| self.scan.lines.get(last));
-        line.copied().unwrap_or(0)
-    }
-}
-
-impl Read for Reader<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.rest.read(buffer)?;
-        let read = buffer.get(..count).unwrap_or(&[]);
-        self.read += read.iter().filter(|&&byte| byte == b'\n').count();
-        Ok(count)
-    }
-}
-
-impl BufRead for Reader<'_> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        Ok(self.rest)
-    }
-
-    fn consume(&mut self, count: usize) {
-        let (read, rest) = self.rest.split_at(count.min(self.rest.len()));
-        self.read += read.iter().filter(|&&byte| byte == b'\n').count();
-        self.rest = rest;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -379,13 +305,6 @@ mod tests {
         assert!(refused(&format!("{THREE}f 1//1 2 3")).contains("alike"));
         assert!(refused(&format!("{THREE}f 1 2 99999999999")).contains("index: "));
         assert!(refused("\u{fffd}PNG\r\n").contains("unknown statement"));
-    }
-
-    #[test]
-    fn statements_are_joined_and_stripped() {
-        let text = "# c\n\n v 1 \\\n 2 3 # d\r\no a#b\n";
-        let got: Vec<_> = statements(text).collect();
-        assert_eq!(got, [(3, "v 1   2 3".to_owned()), (5, "o a#b".to_owned())]);
     }
 
     #[test]

@@ -189,6 +189,20 @@ mod tests {
     }
 
     #[test]
+    fn jpeg_is_read_too() {
+        let mut bytes = Cursor::new(Vec::new());
+        DynamicImage::from(image::RgbImage::from_pixel(16, 8, Rgb([200, 100, 50])))
+            .write_to(&mut bytes, ImageFormat::Jpeg)
+            .unwrap();
+        let texture = decode(bytes.get_ref(), Encoding::Linear, MAX_TEXELS).unwrap();
+        assert_eq!((texture.width, texture.height), (16, 8));
+        // A constant block keeps its colour up to rounding in YCbCr.
+        let want = Vec3::new(200.0, 100.0, 50.0) / 255.0;
+        let error = (texture.texels[0] - want).abs().max_element();
+        assert!(error <= 3.0 / 255.0, "{}", texture.texels[0]);
+    }
+
+    #[test]
     fn normals_are_scaled_and_stay_unit() {
         let encode = |n: Vec3| (n.normalize() + 1.0) * 0.5;
         let mut texels = [encode(Vec3::new(1.0, 2.0, 4.0)), Vec3::splat(0.5)];

@@ -8,6 +8,7 @@
 //! Sources: Wavefront, Advanced Visualizer manual, appendix B1 (object files); the PBR
 //! extension of MTL (Pr, Pm, norm) by Exocortex.
 
+mod lines;
 mod material;
 mod mtl;
 mod scan;
@@ -22,6 +23,14 @@ use std::path::Path;
 /// Reads an `.obj` file.
 pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let bytes = crate::file::read_bytes(path)?;
+    // Every line and every corner of a face takes a byte or more: with this, all counts fit.
+    if bytes.len() >= INVALID as usize {
+        return Err(SceneError::Content {
+            path: path.to_path_buf(),
+            place: "file".into(),
+            message: "4 GiB or more; divide it".into(),
+        });
+    }
     let mut warnings = Warnings::default();
     let scan = scan::scan(path, &String::from_utf8_lossy(&bytes), &mut warnings)?;
     let mut materials = Materials::read(path, &scan, options, &mut warnings)?;
@@ -30,7 +39,7 @@ pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Scene, SceneErr
         ..Scene::default()
     };
     for model in parse(path, &scan, &materials)? {
-        append(path, &model, &mut materials, &mut scene, &mut warnings)?;
+        append(&model, &mut materials, &mut scene, &mut warnings);
     }
     materials.finish(&mut scene, &mut warnings);
     scene.warnings = warnings.finish();
@@ -70,52 +79,29 @@ fn parse(path: &Path, scan: &Scan, materials: &Materials) -> Result<Vec<tobj::Mo
 
 /// Adds a model's vertices and triangles.
 fn append(
-    path: &Path,
     model: &tobj::Model,
     materials: &mut Materials,
     scene: &mut Scene,
     warnings: &mut Warnings,
-) -> Result<(), SceneError> {
-    let (mesh, name) = (&model.mesh, &model.name);
+) {
+    let mesh = &model.mesh;
     if mesh.indices.is_empty() {
-        return Ok(());
+        return;
     }
-    let wrong = |message: String| SceneError::Content {
-        path: path.to_path_buf(),
-        place: format!("object {name:?}"),
-        message,
-    };
     let first = scene.positions.len();
-    let added = mesh.positions.len() / 3;
-    u32::try_from(first + added)
-        .map_err(|_| wrong("the scene would have more vertices than fit 32 bits".into()))?;
     let (positions, _) = mesh.positions.as_chunks::<3>();
     let positions = positions.iter().copied().map(Vec3::from_array);
     scene.positions.extend(positions);
     let (normals, _) = mesh.normals.as_chunks::<3>();
-    for normal in normals.iter().copied().map(Vec3::from_array) {
-        let unit = normal.try_normalize();
-        if unit.is_none() {
-            let message = "normals without direction: the triangles' own are used there";
-            warnings.add(format!("object {name:?}"), message);
-        }
-        scene.normals.push(unit.unwrap_or(Vec3::ZERO));
-    }
+    let normals = normals.iter().copied().map(Vec3::from_array);
+    scene.normals.extend(normals);
     // v grows upwards in OBJ, as in ours.
     let (uvs, _) = mesh.texcoords.as_chunks::<2>();
     scene.uvs.extend(uvs.iter().copied().map(Vec2::from_array));
-    scene.normals.resize(first + added, Vec3::ZERO);
-    scene.uvs.resize(first + added, Vec2::ZERO);
-    let finite = |i: &usize| {
-        let position = scene.positions.get(*i).is_some_and(|p| p.is_finite());
-        position && scene.uvs.get(*i).is_some_and(|uv| uv.is_finite())
-    };
-    if let Some(i) = (first..first + added).find(|i| !finite(i)) {
-        let position = scene.positions.get(i).copied().unwrap_or_default();
-        return Err(wrong(format!("a vertex at {position} is not finite")));
-    }
+    let count = scene.positions.len();
+    scene.normals.resize(count, Vec3::ZERO);
+    scene.uvs.resize(count, Vec2::ZERO);
     append_triangles(model, materials, scene, first as u32, warnings);
-    Ok(())
 }
 
 fn append_triangles(
