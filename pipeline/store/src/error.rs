@@ -159,6 +159,7 @@ impl StoreError {
                     | ErrorKind::ReadOnlyFilesystem
                     | ErrorKind::NotADirectory
                     | ErrorKind::IsADirectory
+                    | ErrorKind::AlreadyExists
                     | ErrorKind::InvalidInput
                     | ErrorKind::InvalidFilename
             ),

@@ -31,18 +31,37 @@ fn replaced_whole_and_nothing_left_over() {
 
 #[cfg(unix)]
 #[test]
-fn links_are_followed_and_devices_kept() {
-    use std::os::unix::fs::{FileTypeExt, symlink};
+fn links_are_followed() {
     let folder = tempfile::tempdir().unwrap();
     let (file, link) = (folder.path().join("file"), folder.path().join("link"));
     atomic_write(&file, b"one").unwrap();
-    symlink(&file, &link).unwrap();
+    std::os::unix::fs::symlink(&file, &link).unwrap();
     atomic_write(&link, b"two").unwrap();
     assert_eq!(std::fs::read(&file).unwrap(), b"two");
     assert!(link.symlink_metadata().unwrap().is_symlink());
-    atomic_write(Path::new("/dev/null"), b"gone").unwrap();
-    let device = std::fs::metadata("/dev/null").unwrap();
-    assert!(device.file_type().is_char_device());
+}
+
+/// What is no plain file is written in place: renaming over it would replace it. A pipe of the
+/// test's own stands for all of them, never a device of the system.
+#[cfg(unix)]
+#[test]
+fn pipes_are_kept() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    let from = pipe.clone();
+    let reader = std::thread::spawn(move || std::fs::read(from).unwrap());
+    atomic_write(&pipe, b"through").unwrap();
+    assert_eq!(reader.join().unwrap(), b"through");
+    assert!(
+        std::fs::symlink_metadata(&pipe)
+            .unwrap()
+            .file_type()
+            .is_fifo()
+    );
+    assert_eq!(names(folder.path()), ["pipe"]);
 }
 
 #[test]
@@ -58,22 +77,15 @@ fn what_cannot_be_written_is_said() {
         let error = atomic_write(&path, b"x").unwrap_err();
         assert!(error.is_bad_input(), "{error}");
     }
-    assert!(create_folder(&file.join("a")).unwrap_err().is_bad_input());
+    let error = create_folder(&file.join("a")).unwrap_err();
+    assert!(error.is_bad_input(), "{error}");
     // A run folder that is a file.
     let error = write_part(&file, 0, &made::samples(0, 0, 1), &made::facts()).unwrap_err();
     assert!(matches!(&error, StoreError::Io { action, .. } if *action == "create the folder"));
 }
 
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_device_could_be_tried_again() {
-    let error = atomic_write(Path::new("/dev/full"), b"x").unwrap_err();
-    assert!(!error.is_bad_input(), "{error}");
-    assert!(error.to_string().contains("Free some space"), "{error}");
-}
-
-/// A small file system of its own that fills up; mounting needs root, and without it (or in a
-/// container that forbids it) `/dev/full` above is all that can be tried.
+/// A small file system of its own that fills up. Mounting needs root; where it is not allowed,
+/// [`a_full_disk_could_be_tried_again`] is all that can be said.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_leaves_what_was_there() {
@@ -108,6 +120,19 @@ fn fill(run: &Path) {
     assert!(names(&staging_folder(run)).is_empty());
     let back = rrf_store::parts::read_part(run, 1, 0, &made::facts()).unwrap();
     assert_eq!(back, small);
+}
+
+#[test]
+fn a_full_disk_could_be_tried_again() {
+    let error = |kind: std::io::ErrorKind| StoreError::Io {
+        path: "run".into(),
+        action: "write",
+        source: kind.into(),
+    };
+    let full = error(std::io::ErrorKind::StorageFull);
+    assert!(!full.is_bad_input());
+    assert!(full.to_string().contains("Free some space"), "{full}");
+    assert!(error(std::io::ErrorKind::ReadOnlyFilesystem).is_bad_input());
 }
 
 #[test]
