@@ -6,15 +6,10 @@
 
 use crate::TraceError;
 use crate::rng::Stream;
-use crate::sobol::Table;
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
-use crate::wave::{Batch, Row, Wave};
-use glam::{DVec3, Vec3};
-use rayon::prelude::*;
-
-/// Paths that travel together: their columns stay in a core's own cache.
-const BATCH: usize = 1024;
+use crate::wave::{Part, Row, Source, estimate};
+use glam::Vec3;
 
 /// What to estimate: parallel columns of one length.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +20,32 @@ pub struct Queries<'a> {
     pub viewers: &'a [Vec3],
     /// Positions of the isotropic 1 W/sr point lights, world frame.
     pub lights: &'a [Vec3],
+}
+
+/// How a point light's paths are made. Both ways are unbiased.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Estimator {
+    /// Next-event estimation at every vertex, and connections to a point that the light's own
+    /// ray met, weighted by the balance heuristic (a bidirectional tracer with one light vertex;
+    /// Veach and Guibas 1995). Lights near surfaces do no harm.
+    #[default]
+    Connected,
+    /// Next-event estimation alone, as most path tracers do it: 1 / distance^2 makes the
+    /// variance of lights near surfaces unbounded, and the standard error too small where the
+    /// peak was missed.
+    NextEvent,
+}
+
+/// How much to sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// Paths a query, of unlimited depth.
+    pub paths: u32,
+    /// Independent estimates that the paths are split into: 2 give two halves, 16 or more a
+    /// usable standard error. Paths of one replicate are stratified together.
+    pub replicates: u32,
+    /// How paths are made.
+    pub estimator: Estimator,
 }
 
 /// Independent unbiased estimates of s+ [W/(sr m^2)] at every query.
@@ -82,10 +103,7 @@ impl Estimates {
     }
 }
 
-/// Estimates s+ at every query with `paths` paths of unlimited depth, split evenly over
-/// `replicates` independent estimates (2 give two halves; 16 or more give a usable standard
-/// error). Query i draws its numbers at index `first_index + i` of `stream`, whatever
-/// the batch it stands in.
+/// [`indirect_with`] the default estimator.
 pub fn indirect(
     tracer: &Tracer,
     queries: Queries,
@@ -94,67 +112,50 @@ pub fn indirect(
     stream: Stream,
     first_index: u64,
 ) -> Result<Estimates, TraceError> {
+    let sampling = Sampling {
+        paths,
+        replicates,
+        estimator: Estimator::default(),
+    };
+    indirect_with(tracer, queries, sampling, stream, first_index)
+}
+
+/// Estimates s+ at every query. Query i draws its numbers at index `first_index + i` of
+/// `stream`, whatever the batch it stands in: any part can be made again alone, and the number
+/// of threads does not matter.
+pub fn indirect_with(
+    tracer: &Tracer,
+    queries: Queries,
+    sampling: Sampling,
+    stream: Stream,
+    first_index: u64,
+) -> Result<Estimates, TraceError> {
     queries.check()?;
-    if replicates == 0 || paths == 0 || !paths.is_multiple_of(replicates) {
-        return Err(TraceError::Paths { paths, replicates });
-    }
-    let each = (paths / replicates) as usize;
-    let rows = rows(&queries, replicates, first_index);
-    let table = Table::new(each);
-    let mut values = vec![Vec3::ZERO; rows.len()];
-    let at_once = (BATCH / each).max(1);
-    values
-        .par_chunks_mut(at_once)
-        .zip(rows.par_chunks(at_once))
-        .for_each_init(
-            || Wave::new(tracer),
-            |wave, (values, rows)| {
-                let mut sums = vec![DVec3::ZERO; rows.len()];
-                for first_path in (0..each).step_by(BATCH) {
-                    let paths = BATCH.min(each - first_path);
-                    wave.run(&Batch {
-                        tracer,
-                        rows,
-                        paths,
-                        replicate_paths: each,
-                        first_path,
-                        stream,
-                        table: &table,
-                    });
-                    for (sum, paths) in sums.iter_mut().zip(wave.sums.chunks(paths)) {
-                        *sum += paths.iter().map(|v| v.as_dvec3()).sum::<DVec3>();
-                    }
-                }
-                for (value, sum) in values.iter_mut().zip(sums) {
-                    *value = (sum / each as f64).as_vec3();
-                }
-            },
-        );
+    let each = sampling.each()?;
+    let part = Part {
+        tracer,
+        source: Source::Point {
+            connect: sampling.estimator == Estimator::Connected,
+        },
+        direct: false,
+        stream,
+    };
+    let rows = queries.rows(sampling.replicates, first_index);
     Ok(Estimates {
-        replicates: replicates as usize,
-        values,
+        replicates: sampling.replicates as usize,
+        values: estimate(&part, &rows, each),
     })
 }
 
-/// One row for every replicate of every query.
-fn rows(queries: &Queries, replicates: u32, first_index: u64) -> Vec<Row> {
-    let columns = queries
-        .points
-        .iter()
-        .zip(queries.viewers)
-        .zip(queries.lights);
-    columns
-        .enumerate()
-        .flat_map(|(query, ((&point, &viewer), &light))| {
-            (0..replicates).map(move |replicate| Row {
-                point,
-                viewer,
-                light,
-                index: first_index + query as u64,
-                replicate,
-            })
-        })
-        .collect()
+impl Sampling {
+    /// Paths a replicate.
+    pub(crate) fn each(&self) -> Result<usize, TraceError> {
+        let (paths, replicates) = (self.paths, self.replicates);
+        if replicates == 0 || paths == 0 || !paths.is_multiple_of(replicates) {
+            return Err(TraceError::Paths { paths, replicates });
+        }
+        Ok((paths / replicates) as usize)
+    }
 }
 
 impl Queries<'_> {
@@ -174,5 +175,22 @@ impl Queries<'_> {
             }
         }
         Ok(())
+    }
+
+    /// One row for every replicate of every query.
+    fn rows(&self, replicates: u32, first_index: u64) -> Vec<Row> {
+        let columns = self.points.iter().zip(self.viewers).zip(self.lights);
+        let queries = columns.zip(first_index..);
+        queries
+            .flat_map(|(((&point, &viewer), &light), index)| {
+                (0..replicates).map(move |replicate| Row {
+                    point,
+                    viewer,
+                    light,
+                    index,
+                    replicate,
+                })
+            })
+            .collect()
     }
 }

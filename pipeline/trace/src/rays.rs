@@ -3,7 +3,7 @@
 //! Each batch is dispatched once to the widest instruction set that the processor has;
 //! every one of them gives the same bits (no fused operations, no approximations).
 
-use crate::wide::{NONE, Stack, Wide};
+use crate::wide::{Stack, Wide};
 use glam::Vec3;
 use multiversion::multiversion;
 use rrf_scene::INVALID;
@@ -58,11 +58,39 @@ impl Rays {
 }
 
 impl Hits {
+    /// The hit of one ray; a miss past the end.
+    #[inline]
+    pub fn get(&self, ray: usize) -> Hit {
+        Hit {
+            triangle: self.triangle.get(ray).copied().unwrap_or(INVALID),
+            barycentrics: self.barycentrics.get(ray).copied().unwrap_or([0.0; 2]),
+            t: self.t.get(ray).copied().unwrap_or(f32::INFINITY),
+        }
+    }
+
     /// Forgets all hits and keeps the memory.
     pub fn clear(&mut self) {
         self.triangle.clear();
         self.barycentrics.clear();
         self.t.clear();
+    }
+}
+
+/// The closest triangle along one ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Scene id of the triangle, or [`INVALID`] when nothing was hit.
+    pub triangle: u32,
+    /// Weights of the second and third corner.
+    pub barycentrics: [f32; 2],
+    /// Distance in units of the ray's direction; the ray's `t_max` when nothing was hit.
+    pub t: f32,
+}
+
+impl Hit {
+    /// Whether something was hit.
+    pub fn is_hit(&self) -> bool {
+        self.triangle != INVALID
     }
 }
 
@@ -73,8 +101,7 @@ pub(crate) fn closest(wide: &Wide, rays: &Rays, stack: &mut Stack, hits: &mut Hi
     let rows = rays.origin.iter().zip(&rays.direction).zip(&rays.t_max);
     for ((&origin, &direction), &t_max) in rows {
         let found = wide.closest(origin, direction, t_max, stack);
-        hits.triangle
-            .push(if found.id == NONE { INVALID } else { found.id });
+        hits.triangle.push(found.id);
         hits.barycentrics.push([found.b1, found.b2]);
         hits.t.push(found.t);
     }
@@ -86,4 +113,21 @@ pub(crate) fn occluded(wide: &Wide, rays: &Rays, stack: &mut Stack, blocked: &mu
     blocked.clear();
     let rows = rays.origin.iter().zip(&rays.direction).zip(&rays.t_max);
     blocked.extend(rows.map(|((&o, &d), &t)| wide.occluded(o, d, t, stack)));
+}
+
+/// The closest triangle of one ray.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
+pub(crate) fn closest_one(wide: &Wide, origin: Vec3, direction: Vec3, t_max: f32) -> Hit {
+    let found = wide.closest(origin, direction, t_max, &mut wide.stack());
+    Hit {
+        triangle: found.id,
+        barycentrics: [found.b1, found.b2],
+        t: found.t,
+    }
+}
+
+/// Whether anything lies along one ray.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
+pub(crate) fn occluded_one(wide: &Wide, origin: Vec3, direction: Vec3, t_max: f32) -> bool {
+    wide.occluded(origin, direction, t_max, &mut wide.stack())
 }

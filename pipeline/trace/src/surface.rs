@@ -1,10 +1,11 @@
 //! Where rays end: points, frames and materials on the scene's surface.
 
 use crate::bsdf::Bsdf;
+use crate::lamps;
 use crate::tracer::Tracer;
 use glam::{Vec2, Vec3};
 use obvhs::aabb::Aabb;
-use rrf_scene::{INVALID, MaterialKind};
+use rrf_scene::{INVALID, MaterialKind, Texture};
 
 /// A point on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,9 +113,7 @@ impl Tracer<'_> {
         let last = self.area_cdf.len().saturating_sub(1);
         // The first triangle whose cumulative area exceeds the target has an area.
         let triangle = self.area_cdf.partition_point(|&c| c <= target).min(last);
-        // Square-root map of the unit square onto the triangle (Turk, Graphics Gems 1990).
-        let root = u[1].sqrt();
-        self.point(triangle as u32, [root * (1.0 - u[2]), root * u[2]])
+        self.point(triangle as u32, lamps::uniform_triangle([u[1], u[2]]))
     }
 
     /// The surface point at `position` whose geometric normal is nearest to parallel with
@@ -177,7 +176,7 @@ impl Tracer<'_> {
         };
         let mut shading = geometric;
         if !self.flat[triangle as usize] {
-            let smooth = self.smooth_normal(triangle, barycentrics, outward);
+            let smooth = self.bent_normal(triangle, barycentrics, outward);
             let turned = if smooth.dot(geometric) < 0.0 {
                 -smooth
             } else {
@@ -197,9 +196,68 @@ impl Tracer<'_> {
     }
 
     #[inline(always)]
-    fn bsdf(&self, triangle: u32, _barycentrics: [f32; 2]) -> Bsdf {
+    fn bsdf(&self, triangle: u32, barycentrics: [f32; 2]) -> Bsdf {
         let material = self.scene.triangle_material[triangle as usize];
-        Bsdf::of(&self.scene.materials[material as usize])
+        let material = &self.scene.materials[material as usize];
+        let mut bsdf = Bsdf::of(material);
+        if material.base_texture != INVALID || material.roughness_metallic_texture != INVALID {
+            let uv = self.uv(triangle, barycentrics);
+            if let Some(texture) = self.texture(material.base_texture) {
+                bsdf.base_color *= texture.sample(uv);
+            }
+            if let Some(texture) = self.texture(material.roughness_metallic_texture) {
+                let texel = texture.sample(uv);
+                bsdf.roughness *= texel.y;
+                bsdf.metallic *= texel.z;
+            }
+        }
+        bsdf
+    }
+
+    fn texture(&self, id: u32) -> Option<&Texture> {
+        self.scene.textures.get(id as usize)
+    }
+
+    fn uv(&self, triangle: u32, [b1, b2]: [f32; 2]) -> Vec2 {
+        let vertices = self.scene.triangles[triangle as usize];
+        let [t0, t1, t2] = vertices.map(|v| self.scene.uvs[v as usize]);
+        t0 + (t1 - t0) * b1 + (t2 - t0) * b2
+    }
+
+    /// Unit shading normal on the outer side: interpolated, then bent by the normal map.
+    fn bent_normal(&self, triangle: u32, barycentrics: [f32; 2], outward: Vec3) -> Vec3 {
+        let smooth = self.smooth_normal(triangle, barycentrics, outward);
+        let material = self.scene.triangle_material[triangle as usize];
+        let map = self.scene.materials[material as usize].normal_texture;
+        let Some(texture) = self.texture(map) else {
+            return smooth;
+        };
+        let Some((tangent, bitangent)) = self.tangents(triangle, smooth) else {
+            return smooth;
+        };
+        let local = texture.sample(self.uv(triangle, barycentrics)) * 2.0 - Vec3::ONE;
+        let bent = tangent * local.x + bitangent * local.y + smooth * local.z;
+        bent.try_normalize().unwrap_or(smooth)
+    }
+
+    /// Unit directions of growing u and v on a triangle, made orthogonal to `normal`;
+    /// `None` where the texture coordinates span no area.
+    fn tangents(&self, triangle: u32, normal: Vec3) -> Option<(Vec3, Vec3)> {
+        let vertices = self.scene.triangles[triangle as usize];
+        let [t0, t1, t2] = vertices.map(|v| self.scene.uvs[v as usize]);
+        let [p0, p1, p2] = self.corners_of(triangle);
+        let (e1, e2, s1, s2) = (p1 - p0, p2 - p0, t1 - t0, t2 - t0);
+        let area = s1.perp_dot(s2);
+        // dp/du times the area in (u, v): only its direction is wanted.
+        let along_u = (e1 * s2.y - e2 * s1.y) * area.signum();
+        let tangent = along_u.reject_from_normalized(normal).try_normalize()?;
+        let turn = if area < 0.0 { -1.0 } else { 1.0 };
+        let handed = if normal.dot(e1.cross(e2)) < 0.0 {
+            -turn
+        } else {
+            turn
+        };
+        (area != 0.0).then(|| (tangent, normal.cross(tangent) * handed))
     }
 
     /// Interpolated unit normal; the geometric one where the corners' cancel.
@@ -215,27 +273,9 @@ impl Tracer<'_> {
         self.scene.triangles[triangle as usize].map(|v| self.scene.positions[v as usize])
     }
 
-    /// Texture coordinates at a point.
-    pub fn uv_at(&self, point: &SurfacePoint) -> Vec2 {
-        let vertices = self.scene.triangles[point.triangle as usize];
-        let [t0, t1, t2] = vertices.map(|v| self.scene.uvs[v as usize]);
-        let [b1, b2] = point.barycentrics;
-        t0 + (t1 - t0) * b1 + (t2 - t0) * b2
-    }
-
-    /// Radiance that a triangle emits toward `v` [W/(sr m^2)].
-    #[inline]
+    /// Radiance that the surface emits at a point toward `v` [W/(sr m^2)].
     pub fn emission(&self, point: &SurfacePoint, v: Vec3) -> Vec3 {
-        let id = self.scene.triangle_light[point.triangle as usize];
-        if id == INVALID {
-            return Vec3::ZERO;
-        }
-        let light = &self.scene.area_lights[id as usize];
-        if light.two_sided || point.normal.dot(v) > 0.0 {
-            light.radiance
-        } else {
-            Vec3::ZERO
-        }
+        lamps::emission(self.scene, point.triangle, point.normal, v)
     }
 }
 

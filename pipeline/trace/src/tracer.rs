@@ -1,7 +1,8 @@
 //! A scene made ready for rays: checked once, then only indexed.
 
 use crate::TraceError;
-use crate::rays::{self, Hits, Rays};
+use crate::lamps::Lamps;
+use crate::rays::{self, Hit, Hits, Rays};
 use crate::wide::Wide;
 use glam::{Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
@@ -37,6 +38,8 @@ pub struct Tracer<'s> {
     pub(crate) lifts: Vec<f32>,
     /// Cumulative area of the scene's triangles, metres squared.
     pub(crate) area_cdf: Vec<f64>,
+    /// The triangles that emit.
+    pub(crate) lamps: Lamps,
 }
 
 impl<'s> Tracer<'s> {
@@ -82,6 +85,7 @@ impl<'s> Tracer<'s> {
             flat,
             normals,
             lifts,
+            lamps: Lamps::new(scene, &area_cdf),
             area_cdf,
         })
     }
@@ -91,13 +95,23 @@ impl<'s> Tracer<'s> {
         self.scene
     }
 
+    /// The closest triangle with `0 < t < t_max` along `origin + t direction`.
+    pub fn closest(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Hit {
+        rays::closest_one(&self.wide, origin, direction, t_max)
+    }
+
+    /// Whether any triangle lies at `0 < t < t_max` along `origin + t direction`.
+    pub fn occluded(&self, origin: Vec3, direction: Vec3, t_max: f32) -> bool {
+        rays::occluded_one(&self.wide, origin, direction, t_max)
+    }
+
     /// The closest triangle of every ray, into `hits`.
-    pub fn closest(&self, rays: &Rays, hits: &mut Hits) {
+    pub fn closest_batch(&self, rays: &Rays, hits: &mut Hits) {
         rays::closest(&self.wide, rays, &mut self.wide.stack(), hits);
     }
 
     /// Whether anything lies along each ray, into `blocked`.
-    pub fn occluded(&self, rays: &Rays, blocked: &mut Vec<bool>) {
+    pub fn occluded_batch(&self, rays: &Rays, blocked: &mut Vec<bool>) {
         rays::occluded(&self.wide, rays, &mut self.wide.stack(), blocked);
     }
 
@@ -133,7 +147,8 @@ fn build(corners: &[[Vec3; 3]]) -> Bvh2 {
     build_bvh2_from_tris(&triangles, parameters, &mut Duration::default())
 }
 
-/// Whether the corners of a triangle have no normals or, to rounding, its own.
+/// Whether the corners of a triangle have no normals or, to rounding, its own, and nothing
+/// bends them.
 fn is_flat(scene: &Scene, triangle: usize, normal: Vec3) -> bool {
     let none = scene.triangles[triangle]
         .iter()
@@ -142,7 +157,8 @@ fn is_flat(scene: &Scene, triangle: usize, normal: Vec3) -> bool {
         let n = scene.normals[v as usize].normalize_or_zero();
         n.cross(normal).length() < 1e-6 && n != Vec3::ZERO
     });
-    none || own
+    let material = &scene.materials[scene.triangle_material[triangle] as usize];
+    material.normal_texture == INVALID && (none || own)
 }
 
 fn check(scene: &Scene) -> Result<(), TraceError> {

@@ -9,6 +9,7 @@
 
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
+use rrf_scene::INVALID;
 
 /// Children of a node and triangles of a leaf.
 pub const WIDTH: usize = 8;
@@ -16,8 +17,6 @@ type Lanes = [f32; WIDTH];
 
 /// Top bit of a child reference: the rest is a leaf.
 const LEAF: u32 = 1 << 31;
-/// "No triangle" in a leaf's lane.
-pub const NONE: u32 = u32::MAX;
 /// Rounding units of its largest coordinate by which a box is grown: the edge products
 /// place a triangle's border no better than that.
 const PAD: f32 = 4.0 * f32::EPSILON;
@@ -56,7 +55,7 @@ pub struct Wide {
     depth: usize,
 }
 
-/// What a ray met: the scene id ([`NONE`] for nothing), distance and barycentrics of the
+/// What a ray met: the scene id ([`INVALID`] for nothing), distance and barycentrics of the
 /// second and third corner.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
@@ -151,7 +150,7 @@ impl Wide {
     pub fn closest(&self, origin: Vec3, direction: Vec3, t_max: f32, stack: &mut Stack) -> Found {
         let ray = Prepared::new(origin, direction);
         let mut found = Found {
-            id: NONE,
+            id: INVALID,
             t: t_max,
             b1: 0.0,
             b2: 0.0,
@@ -346,7 +345,7 @@ impl Source<'_> {
         let mut leaf = Leaf {
             plane: [[0.0; WIDTH]; 4],
             edges: [[[0.0; WIDTH]; 6]; 3],
-            ids: [NONE; WIDTH],
+            ids: [INVALID; WIDTH],
         };
         let mut slots = Vec::with_capacity(WIDTH);
         self.gather(root, &mut slots);

@@ -3,6 +3,7 @@
 use super::random::Draws;
 use super::tile::{Contributions, Lane, Lane3, Surfaces, TILE};
 use crate::math::pick;
+use glam::Vec3;
 use multiversion::multiversion;
 use std::f32::consts::PI;
 
@@ -29,6 +30,18 @@ pub(crate) struct Lit {
     pub(crate) toward: Lane3,
     /// Irradiance at normal incidence, 1 / distance^2 for 1 W/sr; zero where the ray missed.
     pub(crate) falloff: Lane,
+    /// Density of the point with respect to area.
+    pub(crate) density: Lane,
+}
+
+/// Points on lamps, one for each path of a tile.
+pub(crate) struct LampLanes {
+    pub(crate) position: Lane3,
+    /// Unit normal on the path's side.
+    pub(crate) normal: Lane3,
+    pub(crate) lift: Lane,
+    /// Radiance emitted toward the path.
+    pub(crate) radiance: Lane3,
     /// Density of the point with respect to area.
     pub(crate) density: Lane,
 }
@@ -62,6 +75,16 @@ impl Lit {
     };
 }
 
+impl LampLanes {
+    pub(crate) const ZERO: LampLanes = LampLanes {
+        position: Lane3::ZERO,
+        normal: Lane3::ZERO,
+        lift: [0.0; TILE],
+        radiance: Lane3::ZERO,
+        density: [0.0; TILE],
+    };
+}
+
 impl Departures {
     pub(crate) const ZERO: Departures = Departures {
         throughput: Lane3::ZERO,
@@ -71,10 +94,10 @@ impl Departures {
     };
 }
 
-/// Next-event estimation: light that comes straight from the point light, by the balance
-/// heuristic (Veach and Guibas 1995) against [`connect`] having found the same vertex.
+/// Next-event estimation: light that comes straight from the point light; when `shared`,
+/// by the balance heuristic (Veach and Guibas 1995) against [`connect`] having found the vertex.
 #[inline(always)]
-fn next_event_lanes<const MIXED: bool>(at: &Vertices, out: &mut Contributions) {
+fn next_event_lanes<const MIXED: bool>(at: &Vertices, shared: bool, out: &mut Contributions) {
     for i in 0..TILE {
         let geometric = at.surfaces.geometric.get(i);
         let light = at.light.get(i);
@@ -85,16 +108,44 @@ fn next_event_lanes<const MIXED: bool>(at: &Vertices, out: &mut Contributions) {
         let (n, v) = (at.surfaces.shading.get(i), at.viewer.get(i));
         let (value, _) = bsdf.eval_pdf::<MIXED>(n, v, l);
         let cosine = geometric.dot(l);
-        let other = cosine / (4.0 * PI * distance2);
+        let other = if shared {
+            cosine / (4.0 * PI * distance2)
+        } else {
+            0.0
+        };
         let weight = at.density[i] / (at.density[i] + other);
         let value = at.throughput.get(i) * value * (weight / distance2);
         let origin = at.surfaces.origin(i);
         out.value.set(
             i,
-            pick((cosine > 0.0) & (distance2 > 0.0), value, glam::Vec3::ZERO),
+            pick((cosine > 0.0) & (distance2 > 0.0), value, Vec3::ZERO),
         );
         out.origin.set(i, origin);
         out.direction.set(i, light - origin);
+    }
+}
+
+/// Next-event estimation toward a point on a lamp, by the balance heuristic against the
+/// path's next direction having found that point.
+#[inline(always)]
+fn next_lamp_lanes<const MIXED: bool>(at: &Vertices, lamps: &LampLanes, out: &mut Contributions) {
+    for i in 0..TILE {
+        let to = lamps.position.get(i) - at.surfaces.position.get(i);
+        let distance2 = to.length_squared();
+        let l = to / distance2.sqrt();
+        let (n, v) = (at.surfaces.shading.get(i), at.viewer.get(i));
+        let (value, density) = at.surfaces.bsdf(i).eval_pdf::<MIXED>(n, v, l);
+        let cosine = -lamps.normal.get(i).dot(l);
+        let per_area = density * cosine / distance2;
+        let scale = cosine / (distance2 * (lamps.density[i] + per_area));
+        let value = at.throughput.get(i) * value * lamps.radiance.get(i) * scale;
+        let faces = (at.surfaces.geometric.get(i).dot(l) > 0.0) & (cosine > 0.0);
+        let origin = at.surfaces.origin(i);
+        let target = lamps.position.get(i) + lamps.normal.get(i) * lamps.lift[i];
+        out.value
+            .set(i, pick(faces & (distance2 > 0.0), value, Vec3::ZERO));
+        out.origin.set(i, origin);
+        out.direction.set(i, target - origin);
     }
 }
 
@@ -122,7 +173,7 @@ fn connect_lanes<const MIXED: bool>(at: &Vertices, lit: &Lit, out: &mut Contribu
         let faces = (at.surfaces.geometric.get(i).dot(l) > 0.0) & (cosine > 0.0);
         let origin = at.surfaces.origin(i);
         let counts = faces & (distance2 > 0.0) & (lit.falloff[i] > 0.0);
-        out.value.set(i, pick(counts, value, glam::Vec3::ZERO));
+        out.value.set(i, pick(counts, value, Vec3::ZERO));
         out.origin.set(i, origin);
         out.direction.set(i, lit.surfaces.origin(i) - origin);
     }
@@ -168,11 +219,15 @@ macro_rules! dispatched {
 
 dispatched!(
     /// [`next_event_lanes`] for the widest instruction set.
-    next_event, next_event_lanes, (at: &Vertices, out: &mut Contributions)
+    next_event, next_event_lanes, (at: &Vertices, shared: bool, out: &mut Contributions)
 );
 dispatched!(
     /// [`connect_lanes`] for the widest instruction set.
     connect, connect_lanes, (at: &Vertices, lit: &Lit, out: &mut Contributions)
+);
+dispatched!(
+    /// [`next_lamp_lanes`] for the widest instruction set.
+    next_lamp, next_lamp_lanes, (at: &Vertices, lamps: &LampLanes, out: &mut Contributions)
 );
 dispatched!(
     /// [`scatter_lanes`] for the widest instruction set.

@@ -2,13 +2,15 @@
 
 use super::tile::{Lane, TILE};
 use crate::rng::{self, Stream};
-use crate::sobol::{self, DIMENSIONS, Scramble, Table};
+use crate::sobol::{self, DIMENSIONS, Scramble};
 use multiversion::multiversion;
 
 /// Bounces whose directions come from the Sobol sequence, three dimensions each.
 pub(crate) const STRATIFIED: usize = 2;
-/// First of the two dimensions that place a point light's vertex.
+/// First of the three dimensions that place a point light's vertex or the first lamp point.
 pub(crate) const LIGHT: usize = 3 * STRATIFIED;
+/// Blocks of the choice of a lamp's point, one a bounce.
+pub(crate) const LAMP_BLOCKS: u32 = 1 << 30;
 /// Blocks from here on belong to a replicate, those below to a path's bounces.
 const REPLICATE_BLOCKS: u32 = 1 << 31;
 
@@ -90,10 +92,4 @@ pub(crate) fn scrambles(stream: Stream, index: u64, replicate: u32) -> [Scramble
         }
     }
     all
-}
-
-/// Point `index` of the sequence.
-#[inline(always)]
-pub(crate) fn point(table: &Table, index: usize) -> &[u32; DIMENSIONS] {
-    table.reversed(index)
 }
