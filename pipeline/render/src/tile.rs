@@ -74,7 +74,7 @@ impl Visible {
                 rays.push(view.eye, view.direction(x, y), f32::INFINITY);
             }
         }
-        tracer.closest(&rays, &mut hits);
+        tracer.closest_batch(&rays, &mut hits);
         let mut seen = Visible::default();
         for (ray, &triangle) in hits.triangle.iter().enumerate() {
             if triangle == INVALID {
