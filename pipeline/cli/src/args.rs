@@ -202,6 +202,9 @@ pub struct TraceArgs {
     /// Points table: indirect radiance at its rows instead of a picture.
     #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "light", "part", "fov", "size"])]
     pub points: Option<PathBuf>,
+    /// How paths to the point light are made, with --points.
+    #[arg(long, value_enum, default_value_t = Estimator::NextEvent, requires = "points")]
+    pub estimator: Estimator,
     /// Seed of every random number.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -211,6 +214,16 @@ pub struct TraceArgs {
     /// Reading the scene.
     #[command(flatten)]
     pub scene_options: SceneOptions,
+}
+
+/// How paths to a point light are made; both are unbiased.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Estimator {
+    /// Next-event estimation alone: the textbook estimator, the same as other path tracers'.
+    NextEvent,
+    /// Connections to the light's first hits too: less noise, above all for lights near
+    /// surfaces. What extraction uses.
+    Connected,
 }
 
 /// `rrf query`.

@@ -10,7 +10,7 @@ use rrf_scene::Scene;
 use rrf_store::guard::Limits;
 use rrf_store::points::{check_ending, read_points, write_points};
 use rrf_store::schema::Table;
-use rrf_trace::{Queries, Stream, Tracer, indirect};
+use rrf_trace::{Estimator, Queries, Sampling, Stream, Tracer, indirect_with};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -84,6 +84,14 @@ fn trace_points(
     let viewers = points::vectors(&table, columns::V);
     let lights = points::vectors(&table, columns::L);
     let stream = Stream::new(args.seed, STAGE_POINTS, 0);
+    let sampling = Sampling {
+        paths: args.spp,
+        replicates: REPLICATES,
+        estimator: match args.estimator {
+            crate::args::Estimator::NextEvent => Estimator::NextEvent,
+            crate::args::Estimator::Connected => Estimator::Connected,
+        },
+    };
     let bar = progress::bar(quiet, table.len() as u64, "trace");
     let mut mean = Vec::with_capacity(table.len());
     let mut error = Vec::with_capacity(table.len());
@@ -94,7 +102,7 @@ fn trace_points(
             viewers: &viewers[first..end],
             lights: &lights[first..end],
         };
-        let estimates = indirect(tracer, queries, args.spp, REPLICATES, stream, first as u64)?;
+        let estimates = indirect_with(tracer, queries, sampling, stream, first as u64)?;
         for query in 0..estimates.len() {
             mean.push(estimates.mean(query));
             error.push(estimates.standard_error(query));

@@ -1,19 +1,20 @@
 //! The same views by path tracing: what the nets' frames are judged by.
 
-use crate::direct::point_lights;
+use crate::compare::EPSILON_SHARE;
 use crate::error::RenderError;
 use crate::facts;
-use crate::frame::Frame;
-use crate::tile::{Tile, Visible};
-use crate::view::{Lights, View};
+use crate::frame::{Frame, luminance};
+use crate::view::{check_lights, check_view};
 use glam::Vec3;
-use rrf_trace::{Queries, Stream, Tracer, indirect};
+use rayon::prelude::*;
+use rrf_trace::{Layers, Lights, Stream, Tracer, View, trace_rows};
 
 /// Stage number of the random streams.
 const STAGE_FRAME: u32 = 5;
 
-/// Renders `view` by path tracing: direct light of point lights exactly, indirect light by
-/// `spp` paths a pixel, shared by its `aa` x `aa` camera rays. `progress` is told how many
+/// Renders `view` by path tracing with `spp` paths a pixel, shared by its `aa` x `aa` camera
+/// rays: a multiple of 2 aa², since every pixel is the mean of two independent halves, which
+/// tell the frame's own noise (attribute `rrf.relative_noise`). `progress` is told how many
 /// rows of pixels were done.
 pub fn trace_frame(
     tracer: &Tracer,
@@ -24,70 +25,48 @@ pub fn trace_frame(
     seed: u64,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Frame, RenderError> {
-    view.check()?;
-    lights.check()?;
-    let aa = aa.max(1);
-    if spp == 0 || !spp.is_multiple_of(aa * aa) {
-        return Err(RenderError::Samples { samples: spp, aa });
-    }
-    if lights.area && !tracer.scene().area_lights.is_empty() {
-        return Err(RenderError::AreaLights);
-    }
-    let (mut direct, mut reflected) = (Vec::new(), Vec::new());
-    for y in 0..view.height {
-        let row = trace_row(tracer, view, lights, y, [spp / (aa * aa), aa], seed)?;
-        direct.extend(row.0);
-        reflected.extend(row.1);
+    check_view(view)?;
+    check_lights(lights)?;
+    let stream = Stream::new(seed, STAGE_FRAME, 0);
+    let rows = (0..view.height).into_par_iter().map(|y| {
+        let layers = trace_rows(tracer, view, lights, y..y + 1, spp, aa, stream)?;
         progress(1);
-    }
+        Ok(layers)
+    });
+    let rows = rows.collect::<Result<Vec<Layers>, RenderError>>()?;
+    let mean = |pick: fn(&Layers) -> &[Vec<Vec3>; 2]| -> Vec<Vec3> {
+        let pairs = rows.iter().map(pick).flat_map(|[a, b]| a.iter().zip(b));
+        pairs.map(|(&a, &b)| 0.5 * (a + b)).collect()
+    };
+    let full = mean(|layers| &layers.full);
+    let mut attributes = facts::of_trace(view, lights, aa, spp, seed);
+    let noise = relative_noise(&rows, &full);
+    attributes.push(("rrf.relative_noise".into(), noise.to_string()));
     Ok(Frame {
         width: view.width,
         height: view.height,
-        full: direct.iter().zip(&reflected).map(|(a, b)| a + b).collect(),
-        direct: Some(direct),
-        indirect: Some(reflected),
+        full,
+        direct: Some(mean(|layers| &layers.direct)),
+        indirect: Some(mean(|layers| &layers.indirect)),
         cell: None,
         trust: None,
-        attributes: facts::of_trace(view, lights, aa, spp, seed),
+        attributes,
     })
 }
 
-/// Direct and indirect light of one row of pixels.
-fn trace_row(
-    tracer: &Tracer,
-    view: &View,
-    lights: &Lights,
-    y: u32,
-    [paths, aa]: [u32; 2],
-    seed: u64,
-) -> Result<(Vec<Vec3>, Vec<Vec3>), RenderError> {
-    let tile = Tile {
-        x: 0,
-        y,
-        width: view.width,
-        height: 1,
-    };
-    let seen = Visible::shoot(tracer, view, tile, aa);
-    let weight = 1.0 / (aa * aa) as f32;
-    let viewers: Vec<Vec3> = (0..seen.points.len()).map(|r| seen.viewer(r)).collect();
-    let mut direct = vec![Vec3::ZERO; tile.pixels()];
-    let exact = point_lights(tracer, &seen, &lights.points);
-    seen.gather(exact.into_iter(), weight, &mut direct);
-
-    let mut reflected = vec![Vec3::ZERO; tile.pixels()];
-    // Every ray of the frame has its own index in the light's stream.
-    let first = u64::from(y) * u64::from(view.width) * u64::from(aa * aa);
-    for (k, light) in lights.points.iter().enumerate() {
-        let places = vec![light.position; viewers.len()];
-        let queries = Queries {
-            points: &seen.points,
-            viewers: &viewers,
-            lights: &places,
-        };
-        let stream = Stream::new(seed, STAGE_FRAME, k as u32);
-        let estimates = indirect(tracer, queries, paths, 1, stream, first)?;
-        let values = (0..estimates.len()).map(|r| light.intensity * estimates.mean(r));
-        seen.gather(values, weight, &mut reflected);
-    }
-    Ok((direct, reflected))
+/// Relative standard error of the frame's pixels, by the definition of the relative error:
+/// the mean of two halves has the variance E[(a - b)²] / 4.
+fn relative_noise(rows: &[Layers], full: &[Vec3]) -> f64 {
+    let count = full.len().max(1) as f64;
+    let mean = full.iter().map(|&p| f64::from(luminance(p))).sum::<f64>() / count;
+    let pairs = rows
+        .iter()
+        .flat_map(|layers| layers.full[0].iter().zip(&layers.full[1]));
+    let squares = pairs.zip(full).map(|((&a, &b), &p)| {
+        let level = f64::from(luminance(p))
+            .max(EPSILON_SHARE * mean)
+            .max(f64::MIN_POSITIVE);
+        f64::from((a - b).length_squared()) / 12.0 / (level * level)
+    });
+    (squares.sum::<f64>() / count).sqrt()
 }
