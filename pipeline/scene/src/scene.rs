@@ -35,6 +35,7 @@ pub struct Material {
     /// Texture of roughness (G) and metallic (B), or [`INVALID`].
     pub roughness_metallic_texture: u32,
     /// Tangent-space normal map, stored as unit vectors scaled into [0, 1], or [`INVALID`].
+    /// x points along dp/du, y along dp/dv (v upwards), z along the shading normal.
     pub normal_texture: u32,
 }
 
