@@ -8,3 +8,4 @@ mod manifest;
 mod model;
 mod points;
 mod samples;
+mod schema;
