@@ -55,7 +55,10 @@ impl Bsdf {
 
     /// f(v, l) cos(theta_l) [1/sr].
     pub fn eval(&self, n: Vec3, v: Vec3, l: Vec3) -> Vec3 {
-        self.eval_pdf::<true>(n, v, l).0
+        match self.kind {
+            MaterialKind::Lambert => lambert::eval(self, n, v, l),
+            MaterialKind::Principled => principled::eval(self, n, v, l),
+        }
     }
 
     /// Density of [`Bsdf::sample`] at `l`.
