@@ -6,6 +6,7 @@
 //! - [`tile`] runs a net over 128 rows at a time, [`blocks`] sums JᵀWJ from them without ever
 //!   forming J, on one matrix kernel ([`gemm`]) and a vectorised tanh ([`simd`]);
 //! - [`lm`] takes damped steps on any [`lm::Problem`], [`linalg`] factors;
+//!   Other people's problems come in through [`dense`];
 //! - [`problem`] makes a net and its relative loss such a problem;
 //! - [`halves`] tells errors without Monte Carlo noise;
 //! - [`fit`] puts it together: [`fit::fit_cell`].
@@ -16,6 +17,7 @@
 
 pub mod blocks;
 pub mod config;
+pub mod dense;
 pub mod error;
 pub mod fit;
 pub mod gemm;

@@ -121,6 +121,22 @@ impl Default for LmConfig {
     }
 }
 
+impl LmConfig {
+    /// For smooth problems from poor starts: starts carefully, bends its steps along the valley
+    /// floor, stops only where f64 sees no further progress.
+    pub fn exact() -> LmConfig {
+        LmConfig {
+            tau: 1.0,
+            acceleration: 0.75,
+            damping_max: 1e30,
+            gradient: 0.0,
+            step: 1e-16,
+            cost: 1e-16,
+            ..LmConfig::default()
+        }
+    }
+}
+
 /// What an accepted step did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
@@ -298,6 +314,87 @@ impl Levenberg {
         self.nu = 2.0;
     }
 }
+
+/// How a minimisation ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// Why.
+    pub stop: Stop,
+    /// Accepted steps.
+    pub iterations: usize,
+    /// F at the end.
+    pub cost: f64,
+}
+
+/// Steps from `w` until a stop, at most `most`, then polishes: as near to a minimum of F as
+/// f64 allows.
+pub fn minimise(
+    problem: &mut impl Problem,
+    w: &mut [f64],
+    alpha: f64,
+    config: LmConfig,
+    most: usize,
+) -> Outcome {
+    let mut lm = Levenberg::new(w.len(), config);
+    let (mut stop, mut iterations) = (Stop::Iterations, 0);
+    while iterations < most {
+        match lm.step(problem, w, alpha) {
+            Ok(step) => {
+                iterations += 1;
+                if step.before - step.after <= config.cost * step.before {
+                    stop = Stop::Cost;
+                    break;
+                }
+            }
+            Err(reason) => {
+                stop = reason;
+                break;
+            }
+        }
+    }
+    iterations += lm.polish(problem, w, alpha);
+    Outcome {
+        stop,
+        iterations,
+        cost: problem.cost(w) + alpha * squared(w),
+    }
+}
+
+impl Levenberg {
+    /// Gauss-Newton steps for as long as the fall that the model promises, δᵀA δ, gets smaller.
+    ///
+    /// Near a minimum F is flat: differences below 1e-16 F cannot be seen, although they stand
+    /// for relative changes of 1e-8 in w. The gradient still shows them. Returns the steps kept.
+    fn polish(&mut self, problem: &mut impl Problem, w: &mut [f64], alpha: f64) -> usize {
+        let mut promised = f64::INFINITY;
+        for kept in 0..POLISH {
+            let cost = problem.linearise(w, &mut self.normal) + alpha * squared(w);
+            let mut delta: Vec<f64> = (self.normal.gradient.iter().zip(w.iter()))
+                .map(|(g, w)| -(g + alpha * w))
+                .collect();
+            let g = delta.clone();
+            let n = w.len();
+            // As little damping as keeps a singular matrix positive definite.
+            let add: Vec<f64> = (0..n)
+                .map(|i| alpha + 4.0 * f64::EPSILON * self.normal.matrix[i * n + i])
+                .collect();
+            let solved = (self.factor.factor(&self.normal.matrix, &add))
+                .and_then(|()| self.factor.solve(&mut delta));
+            let fall: f64 = delta.iter().zip(&g).map(|(d, g)| d * g).sum();
+            let trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
+            let flat = problem.cost(&trial) + alpha * squared(&trial) <= cost * (1.0 + 1e-9);
+            if solved.is_err() || !flat || fall.is_nan() || fall >= 0.5 * promised {
+                return kept;
+            }
+            w.copy_from_slice(&trial);
+            promised = fall;
+        }
+        POLISH
+    }
+}
+
+/// Most Gauss-Newton steps of a polish.
+const POLISH: usize = 30;
 
 /// Σ w².
 pub(crate) fn squared(w: &[f64]) -> f64 {

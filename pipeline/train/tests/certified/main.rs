@@ -1,0 +1,8 @@
+//! The Levenberg-Marquardt core on problems whose solutions others certified.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod dual;
+mod models;
+mod more_garbow_hillstrom;
+mod nist;
