@@ -5,6 +5,7 @@
 //! (Ren et al. 2013, eq. 2): the light that reaches p straight from l is left out.
 
 use crate::TraceError;
+use crate::estimates::{Estimates, Sampling, same_length};
 use crate::rng::Stream;
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
@@ -36,73 +37,6 @@ pub enum Estimator {
     NextEvent,
 }
 
-/// How much to sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sampling {
-    /// Paths a query, of unlimited depth.
-    pub paths: u32,
-    /// Independent estimates that the paths are split into: 2 give two halves, 16 or more a
-    /// usable standard error. Paths of one replicate are stratified together.
-    pub replicates: u32,
-    /// How paths are made.
-    pub estimator: Estimator,
-}
-
-/// Independent unbiased estimates of s+ [W/(sr m^2)] at every query.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Estimates {
-    /// How many independent estimates a query has.
-    pub replicates: usize,
-    /// Shape [queries, replicates], row-major: each the mean of paths / replicates paths.
-    pub values: Vec<Vec3>,
-}
-
-impl Estimates {
-    /// How many queries.
-    pub fn len(&self) -> usize {
-        self.values.len() / self.replicates.max(1)
-    }
-
-    /// Whether there is no query.
-    pub fn is_empty(&self) -> bool {
-        self.values.is_empty()
-    }
-
-    /// Two independent estimates of a query: the mean of the even replicates and of the odd.
-    pub fn halves(&self, query: usize) -> [Vec3; 2] {
-        let row = self.row(query);
-        let mean = |first: usize| {
-            let picked = row.iter().skip(first).step_by(2);
-            let count = picked.clone().count().max(1);
-            picked.copied().sum::<Vec3>() / count as f32
-        };
-        [mean(0), mean(1)]
-    }
-
-    /// Mean of all paths of a query.
-    pub fn mean(&self, query: usize) -> Vec3 {
-        let row = self.row(query);
-        row.iter().copied().sum::<Vec3>() / row.len().max(1) as f32
-    }
-
-    /// Standard error of [`Estimates::mean`] a channel, from the spread of the replicates.
-    pub fn standard_error(&self, query: usize) -> Vec3 {
-        let row = self.row(query);
-        let mean = self.mean(query);
-        let count = row.len().max(2) as f32;
-        let squares: Vec3 = row.iter().map(|&v| (v - mean) * (v - mean)).sum();
-        let variance = squares / (count - 1.0) / count;
-        Vec3::new(variance.x.sqrt(), variance.y.sqrt(), variance.z.sqrt())
-    }
-
-    fn row(&self, query: usize) -> &[Vec3] {
-        let first = query * self.replicates;
-        self.values
-            .get(first..first + self.replicates)
-            .unwrap_or(&[])
-    }
-}
-
 /// [`indirect_with`] the default estimator.
 pub fn indirect(
     tracer: &Tracer,
@@ -112,12 +46,9 @@ pub fn indirect(
     stream: Stream,
     first_index: u64,
 ) -> Result<Estimates, TraceError> {
-    let sampling = Sampling {
-        paths,
-        replicates,
-        estimator: Estimator::default(),
-    };
-    indirect_with(tracer, queries, sampling, stream, first_index)
+    let sampling = Sampling { paths, replicates };
+    let estimator = Estimator::default();
+    indirect_with(tracer, queries, sampling, estimator, stream, first_index)
 }
 
 /// Estimates s+ at every query. Query i draws its numbers at index `first_index + i` of
@@ -127,6 +58,7 @@ pub fn indirect_with(
     tracer: &Tracer,
     queries: Queries,
     sampling: Sampling,
+    estimator: Estimator,
     stream: Stream,
     first_index: u64,
 ) -> Result<Estimates, TraceError> {
@@ -135,7 +67,7 @@ pub fn indirect_with(
     let part = Part {
         tracer,
         source: Source::Point {
-            connect: sampling.estimator == Estimator::Connected,
+            connect: estimator == Estimator::Connected,
         },
         direct: false,
         stream,
@@ -147,34 +79,11 @@ pub fn indirect_with(
     })
 }
 
-impl Sampling {
-    /// Paths a replicate.
-    pub(crate) fn each(&self) -> Result<usize, TraceError> {
-        let (paths, replicates) = (self.paths, self.replicates);
-        if replicates == 0 || paths == 0 || !paths.is_multiple_of(replicates) {
-            return Err(TraceError::Paths { paths, replicates });
-        }
-        Ok((paths / replicates) as usize)
-    }
-}
-
 impl Queries<'_> {
     fn check(&self) -> Result<(), TraceError> {
         let expected = self.points.len();
-        for (column, found) in [
-            ("viewers", self.viewers.len()),
-            ("lights", self.lights.len()),
-        ] {
-            if found != expected {
-                return Err(TraceError::Queries {
-                    column,
-                    found,
-                    reference: "points",
-                    expected,
-                });
-            }
-        }
-        Ok(())
+        same_length("viewers", self.viewers.len(), expected)?;
+        same_length("lights", self.lights.len(), expected)
     }
 
     /// One row for every replicate of every query.

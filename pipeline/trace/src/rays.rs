@@ -6,7 +6,6 @@
 use crate::wide::{Stack, Wide};
 use glam::Vec3;
 use multiversion::multiversion;
-use rrf_scene::INVALID;
 
 /// Rays `origin + t direction`, 0 < t < `t_max`: parallel columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,39 +57,11 @@ impl Rays {
 }
 
 impl Hits {
-    /// The hit of one ray; a miss past the end.
-    #[inline]
-    pub fn get(&self, ray: usize) -> Hit {
-        Hit {
-            triangle: self.triangle.get(ray).copied().unwrap_or(INVALID),
-            barycentrics: self.barycentrics.get(ray).copied().unwrap_or([0.0; 2]),
-            t: self.t.get(ray).copied().unwrap_or(f32::INFINITY),
-        }
-    }
-
     /// Forgets all hits and keeps the memory.
     pub fn clear(&mut self) {
         self.triangle.clear();
         self.barycentrics.clear();
         self.t.clear();
-    }
-}
-
-/// The closest triangle along one ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// Scene id of the triangle, or [`INVALID`] when nothing was hit.
-    pub triangle: u32,
-    /// Weights of the second and third corner.
-    pub barycentrics: [f32; 2],
-    /// Distance in units of the ray's direction; the ray's `t_max` when nothing was hit.
-    pub t: f32,
-}
-
-impl Hit {
-    /// Whether something was hit.
-    pub fn is_hit(&self) -> bool {
-        self.triangle != INVALID
     }
 }
 
@@ -113,21 +84,4 @@ pub(crate) fn occluded(wide: &Wide, rays: &Rays, stack: &mut Stack, blocked: &mu
     blocked.clear();
     let rows = rays.origin.iter().zip(&rays.direction).zip(&rays.t_max);
     blocked.extend(rows.map(|((&o, &d), &t)| wide.occluded(o, d, t, stack)));
-}
-
-/// The closest triangle of one ray.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
-pub(crate) fn closest_one(wide: &Wide, origin: Vec3, direction: Vec3, t_max: f32) -> Hit {
-    let found = wide.closest(origin, direction, t_max, &mut wide.stack());
-    Hit {
-        triangle: found.id,
-        barycentrics: [found.b1, found.b2],
-        t: found.t,
-    }
-}
-
-/// Whether anything lies along one ray.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
-pub(crate) fn occluded_one(wide: &Wide, origin: Vec3, direction: Vec3, t_max: f32) -> bool {
-    wide.occluded(origin, direction, t_max, &mut wide.stack())
 }

@@ -2,7 +2,7 @@
 
 use crate::TraceError;
 use crate::lamps::Lamps;
-use crate::rays::{self, Hit, Hits, Rays};
+use crate::rays::{self, Hits, Rays};
 use crate::wide::Wide;
 use glam::{Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
@@ -95,23 +95,13 @@ impl<'s> Tracer<'s> {
         self.scene
     }
 
-    /// The closest triangle with `0 < t < t_max` along `origin + t direction`.
-    pub fn closest(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Hit {
-        rays::closest_one(&self.wide, origin, direction, t_max)
-    }
-
-    /// Whether any triangle lies at `0 < t < t_max` along `origin + t direction`.
-    pub fn occluded(&self, origin: Vec3, direction: Vec3, t_max: f32) -> bool {
-        rays::occluded_one(&self.wide, origin, direction, t_max)
-    }
-
     /// The closest triangle of every ray, into `hits`.
-    pub fn closest_batch(&self, rays: &Rays, hits: &mut Hits) {
+    pub fn closest(&self, rays: &Rays, hits: &mut Hits) {
         rays::closest(&self.wide, rays, &mut self.wide.stack(), hits);
     }
 
     /// Whether anything lies along each ray, into `blocked`.
-    pub fn occluded_batch(&self, rays: &Rays, blocked: &mut Vec<bool>) {
+    pub fn occluded(&self, rays: &Rays, blocked: &mut Vec<bool>) {
         rays::occluded(&self.wide, rays, &mut self.wide.stack(), blocked);
     }
 
