@@ -87,10 +87,10 @@ fn trace_points(
     let sampling = Sampling {
         paths: args.spp,
         replicates: REPLICATES,
-        estimator: match args.estimator {
-            crate::args::Estimator::NextEvent => Estimator::NextEvent,
-            crate::args::Estimator::Connected => Estimator::Connected,
-        },
+    };
+    let estimator = match args.estimator {
+        crate::args::Estimator::NextEvent => Estimator::NextEvent,
+        crate::args::Estimator::Connected => Estimator::Connected,
     };
     let bar = progress::bar(quiet, table.len() as u64, "trace");
     let mut mean = Vec::with_capacity(table.len());
@@ -102,7 +102,7 @@ fn trace_points(
             viewers: &viewers[first..end],
             lights: &lights[first..end],
         };
-        let estimates = indirect_with(tracer, queries, sampling, stream, first as u64)?;
+        let estimates = indirect_with(tracer, queries, sampling, estimator, stream, first as u64)?;
         for query in 0..estimates.len() {
             mean.push(estimates.mean(query));
             error.push(estimates.standard_error(query));

@@ -3,8 +3,8 @@
 use crate::args::ViewArgs;
 use crate::failure::BadInput;
 use glam::Vec3;
+use rrf_render::{Lights, View};
 use rrf_scene::{PointLight, Scene};
-use rrf_trace::{Lights, View};
 
 /// The view typed, over the scene's first camera.
 pub fn view(args: &ViewArgs, scene: &Scene) -> Result<View, BadInput> {

@@ -58,7 +58,7 @@ impl<'a> Lookout<'a> {
         let mut rays = Rays::default();
         directions.for_each(|w| rays.push(origin(w), w, f32::INFINITY));
         let mut hits = Hits::default();
-        self.tracer.closest_batch(&rays, &mut hits);
+        self.tracer.closest(&rays, &mut hits);
         let mut votes = Votes {
             asked: rays.len() as u32,
             ..Votes::default()

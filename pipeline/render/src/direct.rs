@@ -30,7 +30,7 @@ pub fn point_lights(tracer: &Tracer, seen: &Visible, lights: &[PointLight]) -> V
                 rays.push(origin, light.position - origin, 1.0);
             }
         }
-        tracer.occluded_batch(&rays, &mut blocked);
+        tracer.occluded(&rays, &mut blocked);
         for (&(row, radiance), &blocked) in arriving.iter().zip(&blocked) {
             if !blocked {
                 sums[row as usize] += radiance;

@@ -1,8 +1,8 @@
 //! What a frame says of its origin: text attributes of the OpenEXR file.
 
 use crate::render::RenderOptions;
+use crate::view::{Lights, View};
 use glam::Vec3;
-use rrf_trace::{Lights, View};
 
 /// Attributes of a frame made by the nets.
 pub fn of_render(view: &View, lights: &Lights, options: &RenderOptions) -> Vec<(String, String)> {

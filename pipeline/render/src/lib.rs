@@ -30,7 +30,6 @@ pub use error::RenderError;
 pub use frame::{Frame, Picture, luminance};
 pub use notice::{Notice, notices};
 pub use render::{Negative, Part, RenderOptions, Trusted, render};
-pub use rrf_trace::{Lights, View};
 pub use tile::raw;
 pub use trace_frame::trace_frame;
-pub use view::{check_lights, check_view};
+pub use view::{Lights, View};

@@ -5,13 +5,12 @@ use crate::error::RenderError;
 use crate::facts;
 use crate::frame::Frame;
 use crate::tile::{Tile, Visible};
-use crate::view::{check_lights, check_view};
+use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::{Field, Light};
 use rrf_trace::Tracer;
-use rrf_trace::{Lights, View};
 
 /// Which part of the light a frame shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,8 +76,8 @@ pub fn render(
     lights: &Lights,
     options: &RenderOptions,
 ) -> Result<Frame, RenderError> {
-    check_view(view)?;
-    check_lights(lights)?;
+    view.check()?;
+    lights.check()?;
     if lights.area && !tracer.scene().area_lights.is_empty() {
         return Err(RenderError::AreaLights);
     }

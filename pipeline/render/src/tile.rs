@@ -1,9 +1,9 @@
 //! A tile of the image: its camera rays and what they meet, as columns.
 
+use crate::view::View;
 use glam::Vec3;
 use rrf_field::columns::{self, Columns};
 use rrf_scene::INVALID;
-use rrf_trace::View;
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
 /// Pixels a side of a tile: its rows and what is computed from them stay in a core's cache.
@@ -74,7 +74,7 @@ impl Visible {
                 rays.push(view.eye, view.direction(x, y), f32::INFINITY);
             }
         }
-        tracer.closest_batch(&rays, &mut hits);
+        tracer.closest(&rays, &mut hits);
         let mut seen = Visible::default();
         for (ray, &triangle) in hits.triangle.iter().enumerate() {
             if triangle == INVALID {

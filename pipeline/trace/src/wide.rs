@@ -181,10 +181,9 @@ impl Wide {
         stack.push((0, 0.0));
         while let Some((child, _)) = stack.pop() {
             if child & LEAF != 0 {
-                if let Some(leaf) = self.leaves.get((child ^ LEAF) as usize) {
-                    if leaf.test(&ray, t_max).0 != 0 {
-                        return true;
-                    }
+                let leaf = self.leaves.get((child ^ LEAF) as usize);
+                if leaf.is_some_and(|leaf| leaf.test(&ray, t_max).0 != 0) {
+                    return true;
                 }
             } else if let Some(node) = self.nodes.get(child as usize) {
                 let (mut mask, _) = node.enter(&ray, t_max);

@@ -7,8 +7,8 @@
 mod kernels;
 mod path;
 mod random;
+mod run;
 mod tile;
-mod wave;
 
 use crate::rng::Stream;
 use crate::sobol::Table;
@@ -16,7 +16,7 @@ use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use wave::{Batch, Wave};
+use run::{Batch, Wave};
 
 /// Paths that travel together: their columns stay in a core's own cache.
 const BATCH: usize = 1024;
