@@ -9,16 +9,20 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
+def example(name):
+    """The command that runs one of `rrf-store`'s examples; RRF_EXAMPLES names a folder of
+    them, built before."""
+    if built := os.environ.get("RRF_EXAMPLES"):
+        return [str(pathlib.Path(built) / name)]
+    cargo = ["cargo", "run", "--quiet", "--release", "--locked", "-p", "rrf-store"]
+    return [*cargo, "--example", name, "--"]
+
+
 @pytest.fixture(scope="session")
 def fixture_folder(tmp_path_factory):
-    """Tables written by `rrf-store`'s example `fixture`; RRF_FIXTURE names a folder of them
-    that exists already."""
-    if given := os.environ.get("RRF_FIXTURE"):
-        return pathlib.Path(given)
+    """Tables written by the example `fixture`."""
     folder = tmp_path_factory.mktemp("fixture")
-    command = ["cargo", "run", "--quiet", "--release", "--locked", "-p", "rrf-store"]
-    command += ["--example", "fixture", "--", str(folder)]
-    subprocess.run(command, cwd=ROOT, check=True)
+    subprocess.run([*example("fixture"), str(folder)], cwd=ROOT, check=True)
     return folder
 
 
@@ -26,3 +30,14 @@ def fixture_folder(tmp_path_factory):
 def run(fixture_folder):
     """A run folder of three cells with 1,000 samples each."""
     return fixture_folder / "run"
+
+
+@pytest.fixture(scope="session")
+def echo():
+    """Sends a points table through Rust's reader and writer; returns the finished process."""
+
+    def call(source, target):
+        command = [*example("echo_points"), str(source), str(target)]
+        return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+
+    return call

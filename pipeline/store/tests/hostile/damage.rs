@@ -1,6 +1,6 @@
 //! Good files, damaged everywhere.
 
-use crate::{frugally, made};
+use crate::{foreign, frugally, made};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
@@ -13,14 +13,13 @@ use rrf_store::model::{
     read_metrics, read_tree, read_weights, write_metrics, write_tree, write_weights,
 };
 use rrf_store::parts::{read_part, write_part};
-use rrf_store::points::{read_points, write_points};
-use rrf_store::schema::Table;
+use rrf_store::points::read_points;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// One kind of file: a good one, and whether what is read from it is right.
 struct Kind {
-    name: &'static str,
+    name: String,
     path: PathBuf,
     /// `Ok(true)`: read, and the same values as before the damage.
     read: Box<dyn Fn() -> Result<bool, StoreError>>,
@@ -36,8 +35,8 @@ fn kinds(run: &Path) -> Vec<Kind> {
     write_weights(run, &models, &facts).unwrap();
     let metrics = [0, 1, 2].map(made::metrics);
     write_metrics(run, &metrics, &facts).unwrap();
-    let kind = |name, path: PathBuf, read: Box<dyn Fn() -> Result<bool, StoreError>>| Kind {
-        name,
+    let kind = |name: &str, path: PathBuf, read: Box<dyn Fn() -> Result<bool, StoreError>>| Kind {
+        name: name.into(),
         path,
         read,
         hashed: true,
@@ -67,9 +66,9 @@ fn kinds(run: &Path) -> Vec<Kind> {
             Box::new(move || Ok(read_metrics(&d.0, &d.1)? == metrics)),
         ),
     ];
-    for name in ["points.parquet", "points.arrow"] {
-        let path = run.join(name);
-        points(&path);
+    for (name, bytes) in foreign::tables() {
+        let path = run.join(&name);
+        std::fs::write(&path, bytes).unwrap();
         let read_path = path.clone();
         kinds.push(Kind {
             name,
@@ -79,29 +78,6 @@ fn kinds(run: &Path) -> Vec<Kind> {
         });
     }
     kinds
-}
-
-/// A points table with texts, made from samples.
-fn points(path: &Path) {
-    let batch = made::samples(1, 0, 30).to_batch().unwrap();
-    let names: Vec<String> = (0..30).map(|r| format!("wall {}", r % 4)).collect();
-    let names = std::sync::Arc::new(arrow::array::StringArray::from(names));
-    let mut columns: Vec<(String, arrow::array::ArrayRef)> = Vec::new();
-    for (field, array) in batch.schema().fields().iter().zip(batch.columns()) {
-        columns.push((field.name().clone(), array.clone()));
-    }
-    columns.push(("material".into(), names));
-    let batch = arrow::array::RecordBatch::try_from_iter(columns).unwrap();
-    let added = [
-        ("r", 0),
-        ("g", 1),
-        ("b", 2),
-        ("r_se", 3),
-        ("g_se", 4),
-        ("b_se", 5),
-    ]
-    .map(|(name, c)| (name, batch.column(2 + c).clone()));
-    write_points(path, &batch, Table::Truth, added.into(), &[]).unwrap();
 }
 
 /// Overwrites a file in place: an emptied and rewritten one makes some file systems sync.
@@ -143,9 +119,9 @@ fn cut_off_anywhere() {
     for kind in kinds(run.path()) {
         let good = std::fs::read(&kind.path).unwrap();
         assert!((kind.read)().unwrap(), "{}: the good file", kind.name);
-        for length in (0..good.len()).step_by(if good.len() > 20_000 { 13 } else { 3 }) {
+        for length in (0..good.len()).step_by(7) {
             put(&kind.path, &good[..length]);
-            let read = frugally(kind.name, &kind.read);
+            let read = frugally(&kind.name, &kind.read);
             assert!(
                 matches!(read, Err(StoreError::Corrupt { .. })),
                 "{} {length}",
@@ -163,7 +139,8 @@ fn one_byte_changed_anywhere() {
     for kind in kinds(run.path()) {
         let good = std::fs::read(&kind.path).unwrap();
         let mut bytes = good.clone();
-        for at in 0..good.len() {
+        // Ours everywhere, the many foreign ones at every third place.
+        for at in (0..good.len()).step_by(if kind.hashed { 1 } else { 3 }) {
             // Another bit each byte, so that high and low ones are met everywhere.
             bytes[at] ^= 1 << (at % 8);
             check(&kind, &format!("byte {at}"), &bytes);
@@ -173,10 +150,11 @@ fn one_byte_changed_anywhere() {
     }
 }
 
-/// Proptest's runner with a fixed source of randomness.
+/// Proptest's runner with a fixed source of randomness; RRF_DAMAGE multiplies the cases.
 fn runner(cases: u32) -> TestRunner {
+    let more = std::env::var("RRF_DAMAGE").ok();
     let config = Config {
-        cases,
+        cases: cases * more.and_then(|more| more.parse().ok()).unwrap_or(1),
         failure_persistence: None,
         ..Config::default()
     };
@@ -200,7 +178,7 @@ fn many_changes() {
     let change = (any::<Index>(), select(hurtful.to_vec()));
     for kind in kinds(run.path()) {
         let good = std::fs::read(&kind.path).unwrap();
-        runner(1000)
+        runner(500)
             .run(&vec(change.clone(), 1..6), |changes| {
                 let mut bytes = good.clone();
                 for (at, with) in &changes {
@@ -228,7 +206,7 @@ fn anything_between_the_marks() {
             false => (b"ARROW1\0\0", b"ARROW1"),
         };
         let bytes = (vec(any::<u8>(), 0..400), 0u32..500);
-        runner(1000)
+        runner(500)
             .run(&bytes, |(middle, length)| {
                 let bytes = [head, &middle, &length.to_le_bytes(), tail].concat();
                 put(&kind.path, &bytes);
@@ -244,7 +222,7 @@ fn any_manifest() {
     let run = tempfile::tempdir().unwrap();
     let path = RunManifest::path(run.path());
     std::fs::write(&path, "").unwrap();
-    runner(1000)
+    runner(500)
         .run(&".{0,200}", |text| {
             put(&path, text.as_bytes());
             prop_assert!(RunManifest::read(run.path()).is_err());

@@ -8,6 +8,7 @@
 mod made;
 
 mod damage;
+mod foreign;
 mod forged;
 
 use std::alloc::{GlobalAlloc, Layout, System};
