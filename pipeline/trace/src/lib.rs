@@ -32,4 +32,4 @@ pub use rays::{Hit, Hits, Rays};
 pub use rng::Stream;
 pub use surface::{Frame, SurfacePoint};
 pub use tracer::Tracer;
-pub use view::View;
+pub use view::{Lens, View};

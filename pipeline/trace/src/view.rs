@@ -49,10 +49,40 @@ impl View {
     /// Unit direction through a place in the picture, in pixels from its upper left corner.
     #[inline]
     pub fn direction(&self, x: f32, y: f32) -> Vec3 {
+        self.lens().direction(x, y)
+    }
+
+    /// What all of the view's rays share.
+    pub fn lens(&self) -> Lens {
         let shorter = self.width.min(self.height) as f32;
-        let pixel = 2.0 * (0.5 * self.fov.to_radians()).tan() / shorter;
-        let right = (x - 0.5 * self.width as f32) * pixel;
-        let up = (0.5 * self.height as f32 - y) * pixel;
+        Lens {
+            right: self.right,
+            up: self.up,
+            forward: self.forward,
+            middle: [0.5 * self.width as f32, 0.5 * self.height as f32],
+            pixel: 2.0 * (0.5 * self.fov.to_radians()).tan() / shorter,
+        }
+    }
+}
+
+/// A view's picture plane at distance 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
+    /// Half the picture's width and height, in pixels.
+    middle: [f32; 2],
+    /// Width of a pixel on the plane.
+    pixel: f32,
+}
+
+impl Lens {
+    /// As [`View::direction`].
+    #[inline(always)]
+    pub fn direction(&self, x: f32, y: f32) -> Vec3 {
+        let right = (x - self.middle[0]) * self.pixel;
+        let up = (self.middle[1] - y) * self.pixel;
         (self.forward + self.right * right + self.up * up).normalize()
     }
 }
