@@ -1,7 +1,7 @@
 //! Where one looks from, and what shines.
 
 use crate::error::RenderError;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rrf_scene::{Camera, PointLight};
 
 /// A pinhole view. `right`, `up` and `forward` are unit and orthogonal, of either handedness.
@@ -76,10 +76,41 @@ impl View {
     /// The unit direction through image position (x, y) in pixels from the top left corner;
     /// pixel centres lie at half integers.
     pub fn direction(&self, x: f32, y: f32) -> Vec3 {
-        let size = Vec2::new(self.width as f32, self.height as f32);
-        let half = (0.5 * self.fov.to_radians()).tan();
-        let at = (2.0 * Vec2::new(x, y) - size) / size.min_element() * half;
-        (self.forward + at.x * self.right - at.y * self.up).normalize()
+        self.lens().direction(x, y)
+    }
+
+    /// What all of the view's rays share.
+    pub fn lens(&self) -> Lens {
+        let shorter = self.width.min(self.height) as f32;
+        Lens {
+            right: self.right,
+            up: self.up,
+            forward: self.forward,
+            middle: [0.5 * self.width as f32, 0.5 * self.height as f32],
+            pixel: 2.0 * (0.5 * self.fov.to_radians()).tan() / shorter,
+        }
+    }
+}
+
+/// A view's picture plane at distance 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
+    /// Half the picture's width and height, in pixels.
+    middle: [f32; 2],
+    /// Width of a pixel on the plane.
+    pixel: f32,
+}
+
+impl Lens {
+    /// As [`View::direction`].
+    #[inline(always)]
+    pub fn direction(&self, x: f32, y: f32) -> Vec3 {
+        let right = (x - self.middle[0]) * self.pixel;
+        let up = (self.middle[1] - y) * self.pixel;
+        (self.forward + self.right * right + self.up * up).normalize()
     }
 }
 
