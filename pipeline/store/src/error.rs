@@ -158,6 +158,7 @@ impl StoreError {
                     | ErrorKind::PermissionDenied
                     | ErrorKind::ReadOnlyFilesystem
                     | ErrorKind::NotADirectory
+                    | ErrorKind::AlreadyExists
                     | ErrorKind::IsADirectory
                     | ErrorKind::AlreadyExists
                     | ErrorKind::InvalidInput
