@@ -58,9 +58,8 @@ def test_parts_equal_the_contract(baked):
     assert [path.parent.name for path in files] == [f"cell={c:06}" for c in range(CELLS)]
     scene = json.loads((baked / "run.json").read_text())["scene_hash"].encode()
     for path in files:
-        schema = pq.read_schema(path)
-        assert contract.differences(contract.load("samples"), schema) == []
-        assert schema.metadata[b"rrf.scene_hash"] == scene
+        assert contract.differences(contract.load("samples"), pq.read_schema(path)) == []
+        assert pq.read_metadata(path).metadata[b"rrf.scene_hash"] == scene
 
 
 @pytest.mark.parametrize("name", ("tree", "weights", "metrics"))
@@ -77,9 +76,13 @@ def test_points_equal_the_contract(baked, answers, kind):
         out = baked.parent / "truth.parquet"
         rrf("trace", SCENE, "--points", ORACLE, "-o", out, "--spp", 16)
         answers = pq.read_table(out)
-    schema = contract.load(kind)
+    schema, asked = contract.load(kind), pq.read_table(ORACLE)
+    given = {column["name"] for column in contract.load("points")["column"]}
+    schema["column"] = [c for c in schema["column"] if c["name"] not in given]
     assert contract.differences(schema, answers.schema, others_allowed=True) == []
-    assert answers["material"].equals(pq.read_table(ORACLE)["material"])
+    # what was asked comes first and untouched, the oracle's own answers are replaced
+    for name in [*given, "material"]:
+        assert answers[name].equals(asked[name]), name
 
 
 def test_three_readers_open_the_samples(baked):
@@ -91,7 +94,8 @@ def test_three_readers_open_the_samples(baked):
     duck = duckdb.sql(f"from {files}").to_arrow_table()
     assert table.schema.field("cell").type == pa.int32()
     assert frame.schema["cell"] == pl.Int64
-    assert duck.schema.field("cell").type == pa.int64()
+    # with its zeros in front, the key is no number to DuckDB
+    assert duck.schema.field("cell").type == pa.string()
     order = [("cell_id", "ascending"), ("sample_index", "ascending")]
     table, duck = table.sort_by(order), duck.sort_by(order)
     frame = frame.sort("cell_id", "sample_index")
@@ -102,7 +106,8 @@ def test_three_readers_open_the_samples(baked):
         values = table[name].to_numpy()
         assert np.array_equal(values, frame[name].to_numpy()), name
         assert np.array_equal(values, duck[name].to_numpy()), name
-    assert np.array_equal(table["cell"].to_numpy(), table["cell_id"].to_numpy())
+    for cells in (table["cell"], frame["cell"].to_arrow(), duck["cell"]):
+        assert [int(cell) for cell in cells.to_pylist()] == table["cell_id"].to_pylist()
 
 
 def test_samples_mean_what_the_contract_says(baked):
@@ -123,7 +128,7 @@ def test_samples_mean_what_the_contract_says(baked):
 
 def test_numpy_evaluates_the_model(baked, answers):
     """tree.arrow and weights.arrow, walked and evaluated as their schemas say, give what
-    `rrf query` gives, within 1e-5 of the net's own output range."""
+    `rrf query` gives, within 1e-5 relative."""
     tree = read_arrow(baked / "model/tree.arrow").to_pylist()
     weights = read_arrow(baked / "model/weights.arrow").to_pylist()
     rows = with_material(answers, baked)
@@ -138,9 +143,9 @@ def test_numpy_evaluates_the_model(baked, answers):
     sealed = (found == 0).all(axis=1)
     assert sealed.mean() < 0.02
     error = np.abs(mine - found)[~sealed]
-    # relative to a row's brightest channel; single channels can cross zero
-    scale = np.abs(found[~sealed]).max(axis=1, keepdims=True)
-    assert (error / scale).max() < 1e-5
+    # the project's relative error divides by no less than 5 % of the mean luminance
+    luminance = np.maximum(found[~sealed].mean(axis=1, keepdims=True), 0.05 * found.mean())
+    assert (error / luminance).max() < 1e-5
 
 
 def with_material(table, baked):

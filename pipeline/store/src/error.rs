@@ -158,7 +158,6 @@ impl StoreError {
                     | ErrorKind::PermissionDenied
                     | ErrorKind::ReadOnlyFilesystem
                     | ErrorKind::NotADirectory
-                    | ErrorKind::AlreadyExists
                     | ErrorKind::IsADirectory
                     | ErrorKind::AlreadyExists
                     | ErrorKind::InvalidInput
