@@ -1,7 +1,9 @@
 //! Output that cannot be written: the message says where and what to do, and what was there
 //! stays.
 
-use crate::program::{Place, TINY, bake_tiny, bytes_below, cornell, refused, rrf, says, tiny_run};
+use crate::program::{
+    Place, TINY, bake_tiny, bytes_below, cornell, oracle, refused, rrf, says, tiny_run,
+};
 
 fn bake<'a>(scene: &'a str, run: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&["bake", scene, "-o", run], &TINY[..], more].concat()
@@ -23,51 +25,94 @@ fn output_is_no_folder() {
 #[test]
 fn full_disk() {
     let place = Place::new();
-    let full = place.name("full.exr");
+    let full = place.name("full.parquet");
     std::os::unix::fs::symlink("/dev/full", &full).expect("a link");
-    let run = tiny_run();
-    let said = rrf(&[
-        "render", &run, "-o", &full, "--light", "0,1.6,0", "--size", "16x16",
-    ]);
+    let input = oracle("cornell_overhead");
+    let said = rrf(&["query", &tiny_run(), "--points", &input, "-o", &full]);
     assert_eq!(said.code, Some(1), "{said:#?}");
-    says(&said, &["full.exr", "No space left"]);
+    says(&said, &["full.parquet", "No space left"]);
 }
 
-/// The same for a run folder, on a file system of 200 kB; that takes a root's rights.
+/// A file system of 100 kB, which takes a root's rights.
+#[cfg(target_os = "linux")]
+struct SmallDisk(String);
+
+#[cfg(target_os = "linux")]
+impl SmallDisk {
+    fn mount(folder: String) -> Option<SmallDisk> {
+        std::fs::create_dir(&folder).expect("a folder");
+        let mount = [
+            "mount",
+            "-t",
+            "tmpfs",
+            "-o",
+            "size=100k",
+            "rrf-test",
+            &folder,
+        ];
+        call(&mount).then(|| SmallDisk(folder))
+    }
+
+    fn grow(&self) -> bool {
+        call(&["mount", "-o", "remount,size=20m", &self.0])
+    }
+}
+
+#[cfg(target_os = "linux")]
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        assert!(call(&["umount", &self.0]), "{} stays mounted", self.0);
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn call(words: &[&str]) -> bool {
+    let output = std::process::Command::new(words[0])
+        .args(&words[1..])
+        .output();
+    output.is_ok_and(|o| o.status.success())
+}
+
+/// A run that filled its disk says so, leaves no half files, and goes on after there is space;
+/// a frame does not appear by half.
 #[cfg(target_os = "linux")]
 #[test]
 fn full_output_folder() {
     let (place, scene) = (Place::new(), cornell());
-    let disk = place.name("disk");
-    std::fs::create_dir(&disk).expect("a folder");
-    let mount = ["-t", "tmpfs", "-o", "size=200k", "rrf-test", &disk];
-    let mounted = std::process::Command::new("mount").args(mount).output();
-    if !mounted.is_ok_and(|o| o.status.success()) {
+    let Some(disk) = SmallDisk::mount(place.name("disk")) else {
         println!("left out: no right to mount a small file system");
         return;
-    }
-    let run = format!("{disk}/run");
+    };
+    let run = format!("{}/run", disk.0);
     let said = rrf(&bake(&scene, &run, &[]));
-    let parts = bytes_below(&place.path("disk/run"));
-    let grown = ["-o", "remount,size=20m", &disk];
-    let grown = std::process::Command::new("mount").args(grown).status();
-    let resumed = rrf(&bake(&scene, &run, &["--resume"]));
-    let after = bytes_below(&place.path("disk/run"));
-    let freed = std::process::Command::new("umount").arg(&disk).status();
-    assert!(freed.is_ok_and(|s| s.success()) && grown.is_ok_and(|s| s.success()));
     assert_eq!(said.code, Some(1), "{said:#?}");
     says(
         &said,
         &["disk/run", "No space left", "Free some space", "--resume"],
     );
+    let files = bytes_below(&place.path("disk/run"));
     assert!(
-        parts.iter().all(|(name, _)| !name.contains("tmp")),
-        "left-over files"
+        files.iter().all(|(name, _)| !name.contains("tmp")),
+        "half a file"
     );
-    assert_eq!(resumed.code, Some(0), "{resumed:#?}");
+
+    let picture = format!("{}/a.exr", disk.0);
+    let light = ["--light", "0,1.6,0", "--size", "256x256"];
+    let said = rrf(&[&["render", &tiny_run(), "-o", &picture], &light[..]].concat());
+    assert_eq!(said.code, Some(1), "{said:#?}");
+    says(&said, &["a.exr", "No space left"]);
+    assert_eq!(
+        bytes_below(&place.path("disk")).len(),
+        files.len(),
+        "half a picture"
+    );
+
+    assert!(disk.grow(), "remount");
+    bake_tiny(&scene, &run, &["--resume"]);
     bake_tiny(&scene, &place.name("run"), &[]);
+    let resumed = bytes_below(&place.path("disk/run"));
     assert!(
-        bytes_below(&place.path("run")) == after,
+        resumed == bytes_below(&place.path("run")),
         "not what a bake without pause makes"
     );
 }

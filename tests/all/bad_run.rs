@@ -106,7 +106,7 @@ fn changed_scene() {
     let before = bytes_below(&place.path("run"));
     place.write(
         "scene.pbrt",
-        text.replacen("0.725 0.71 0.68", "0.725 0.71 0.5", 1),
+        text.replacen("0.725000 0.710000", "0.725000 0.500000", 1),
     );
 
     let words = [&run as &str, "scene", "changed"];

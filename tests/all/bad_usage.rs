@@ -46,7 +46,7 @@ fn numbers_out_of_range() {
     trace(&[&light[..], &["--spp", "0"]].concat(), &["0 paths"]);
     trace(
         &[&light[..], &["--spp", "16", "--aa", "3"]].concat(),
-        &["16 paths", "multiple of 9"],
+        &["16 paths", "multiple of 18"],
     );
     trace(&["--eye", "0,1,0"], &["--look-at"]);
     trace(&["--eye", "0,1,0", "--look-at", "0,1,0"], &["no direction"]);
