@@ -214,3 +214,32 @@ fn a_dictionary_that_repeats_a_large_text() {
     let error = frugally("dictionary", || read_points(&path, limits)).unwrap_err();
     assert!(matches!(error, StoreError::TooLarge { .. }), "{error}");
 }
+
+/// Its decoder allocates by a count that stands within the values.
+#[test]
+fn delta_byte_array_is_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let error = refused(&path, &crate::foreign::delta_byte_array());
+    assert!(matches!(error, StoreError::Unsupported { .. }), "{error}");
+    assert!(error.to_string().contains("column delta"), "{error}");
+}
+
+/// The number of texts within a page of lengths, forged to 2^60: 128, 4 and 16 begin the
+/// header of its lengths.
+#[test]
+fn a_count_within_a_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let (_, good) = crate::foreign::tables().swap_remove(0);
+    let at = (0..good.len()).filter(|&at| good[at..].starts_with(&[0x80, 1, 4, 16]));
+    let mut found = false;
+    for at in at {
+        let mut bytes = good.clone();
+        // As many bytes as before: 127 instead of 16 values.
+        bytes[at + 3] = 127;
+        let error = refused(&path, &bytes).to_string();
+        found |= error.contains("delta: Some(127) texts in a page of 16 values");
+    }
+    assert!(found);
+}
