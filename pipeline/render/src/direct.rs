@@ -6,36 +6,55 @@ use rrf_field::columns;
 use rrf_scene::PointLight;
 use rrf_trace::{Rays, Tracer};
 
-/// Radiance [W·sr⁻¹·m⁻²] that each visible point sends to its viewer straight from the lights:
-/// Σ_k I_k f(v, l_k) cos θ_k V(x, l_k) / ‖l_k − x‖². A light on the surface itself lights it
-/// from no direction.
-pub fn point_lights(tracer: &Tracer, seen: &Visible, lights: &[PointLight]) -> Vec<Vec3> {
-    let mut sums = vec![Vec3::ZERO; seen.points.len()];
-    let (mut rays, mut blocked) = (Rays::default(), Vec::new());
-    let mut arriving: Vec<(u32, Vec3)> = Vec::new();
-    for light in lights {
-        rays.clear();
-        arriving.clear();
-        for (row, point) in seen.points.iter().enumerate() {
-            let to = light.position - point.position;
-            let distance2 = to.length_squared();
-            let Some(l) = to.try_normalize() else {
-                continue;
-            };
-            let normal = seen.rows.vec3(columns::N, row).into();
-            let value = tracer.material_at(point).eval(normal, seen.viewer(row), l);
-            if value != Vec3::ZERO {
-                arriving.push((row as u32, light.intensity * value / distance2));
-                let origin = tracer.lift(point.triangle, point.position, l);
-                rays.push(origin, light.position - origin, 1.0);
-            }
-        }
-        tracer.occluded(&rays, &mut blocked);
-        for (&(row, radiance), &blocked) in arriving.iter().zip(&blocked) {
-            if !blocked {
-                sums[row as usize] += radiance;
+/// Working columns, made once a thread.
+#[derive(Clone, Debug, Default)]
+pub struct Direct {
+    /// Radiance [W·sr⁻¹·m⁻²] of each visible point after [`Direct::point_lights`].
+    pub radiance: Vec<Vec3>,
+    rays: Rays,
+    blocked: Vec<bool>,
+    /// Row and unoccluded radiance of each shadow ray.
+    arriving: Vec<(u32, Vec3)>,
+}
+
+impl Direct {
+    /// What each visible point sends to its viewer straight from the lights:
+    /// Σ_k I_k f(v, l_k) cos θ_k V(x, l_k) / ‖l_k − x‖². A light on the surface itself lights it
+    /// from no direction.
+    pub fn point_lights(&mut self, tracer: &Tracer, seen: &Visible, lights: &[PointLight]) {
+        self.radiance.clear();
+        self.radiance.resize(seen.points.len(), Vec3::ZERO);
+        for light in lights {
+            self.arrive(tracer, seen, light);
+            tracer.occluded(&self.rays, &mut self.blocked);
+            for (&(row, radiance), &blocked) in self.arriving.iter().zip(&self.blocked) {
+                if !blocked {
+                    self.radiance[row as usize] += radiance;
+                }
             }
         }
     }
-    sums
+
+    /// Shadow rays to a light from the rows that it can light.
+    fn arrive(&mut self, tracer: &Tracer, seen: &Visible, light: &PointLight) {
+        self.rays.clear();
+        self.arriving.clear();
+        for (row, point) in seen.points.iter().enumerate() {
+            let (to, v) = (light.position - point.position, seen.viewer(row));
+            let l = to.normalize_or_zero();
+            // Light passes no surface: light and viewer are on the same side of the triangle.
+            if point.normal.dot(l) * point.normal.dot(v) <= 0.0 {
+                continue;
+            }
+            let normal = seen.rows.vec3(columns::N, row).into();
+            let value = tracer.material_at(point).eval(normal, v, l);
+            if value == Vec3::ZERO {
+                continue;
+            }
+            let radiance = light.intensity * value / to.length_squared();
+            self.arriving.push((row as u32, radiance));
+            let origin = tracer.lift(point.triangle, point.position, v);
+            self.rays.push(origin, light.position - origin, 1.0);
+        }
+    }
 }

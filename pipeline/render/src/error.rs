@@ -57,17 +57,6 @@ pub enum RenderError {
          give point lights (--light x,y,z[,r,g,b]), or render the frame by path tracing"
     )]
     AreaLights,
-    /// Samples that do not divide evenly over a pixel's positions.
-    #[error(
-        "{samples} paths a pixel cannot be shared by {aa}x{aa} positions in it; \
-         give a multiple of {}", aa * aa
-    )]
-    Samples {
-        /// Paths a pixel.
-        samples: u32,
-        /// Positions a side.
-        aa: u32,
-    },
     /// Evaluation of the nets.
     #[error(transparent)]
     Field(#[from] rrf_field::FieldError),

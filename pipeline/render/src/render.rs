@@ -1,15 +1,16 @@
 //! A frame: what the camera sees, its direct light, its indirect light by the nets.
 
-use crate::direct::point_lights;
+use crate::direct::Direct;
 use crate::error::RenderError;
 use crate::facts;
 use crate::frame::Frame;
-use crate::tile::{Tile, Visible};
+use crate::tile::{self, Tile, Visible};
 use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::{Field, Light};
+use rrf_scene::PointLight;
 use rrf_trace::Tracer;
 
 /// Which part of the light a frame shows.
@@ -57,16 +58,35 @@ impl RenderOptions<'_> {
     }
 }
 
-/// The layers of one tile, by pixel.
-struct Layers {
-    direct: Vec<Vec3>,
-    indirect: Vec<Vec3>,
-    cell: Vec<u32>,
-    trust: Vec<f32>,
+/// What a thread works with, tile after tile.
+#[derive(Default)]
+struct Work {
+    seen: Visible,
+    direct: Direct,
+    radiance: [Vec<f32>; 3],
+    cells: Vec<u32>,
+}
+
+/// A band of the frame's layers.
+struct Band<'f> {
+    direct: &'f mut [Vec3],
+    indirect: &'f mut [Vec3],
+    cell: &'f mut [u32],
+    trust: &'f mut [f32],
+}
+
+/// What every tile of a frame shares.
+struct Job<'f> {
+    tracer: &'f Tracer<'f>,
+    field: &'f Field,
+    view: &'f View,
+    points: &'f [PointLight],
+    lights: Vec<Light>,
+    options: &'f RenderOptions<'f>,
 }
 
 /// Renders `view` under point lights. Layers: the parts asked for, and with the indirect part
-/// the cell under the first light and, where domains are given, trust.
+/// the cell under the first light and, where asked for, trust.
 ///
 /// The same bits on any number of threads.
 pub fn render(
@@ -81,23 +101,38 @@ pub fn render(
     if lights.area && !tracer.scene().area_lights.is_empty() {
         return Err(RenderError::AreaLights);
     }
-    let tiles = Tile::all(view.width, view.height);
-    let layers: Vec<Result<Layers, RenderError>> = tiles
-        .par_iter()
-        .map(|&tile| render_tile(tracer, field, view, lights, options, tile))
-        .collect();
+    let light = |light: &PointLight| Light {
+        position: light.position.to_array(),
+        intensity: light.intensity.to_array(),
+    };
+    let job = Job {
+        tracer,
+        field,
+        view,
+        points: &lights.points,
+        lights: lights.points.iter().map(light).collect(),
+        options,
+    };
     let count = view.width as usize * view.height as usize;
     let (mut direct, mut indirect) = (vec![Vec3::ZERO; count], vec![Vec3::ZERO; count]);
     let (mut cell, mut trust) = (vec![u32::MAX; count], vec![0.0; count]);
-    for (tile, layers) in tiles.iter().zip(layers) {
-        let layers = layers?;
-        for (i, id) in tile.ids(view.width).enumerate() {
-            direct[id] = layers.direct[i];
-            indirect[id] = layers.indirect[i];
-            cell[id] = layers.cell[i];
-            trust[id] = layers.trust[i];
-        }
-    }
+    let size = (tile::HEIGHT * view.width) as usize;
+    direct
+        .par_chunks_mut(size)
+        .zip(indirect.par_chunks_mut(size))
+        .zip(cell.par_chunks_mut(size).zip(trust.par_chunks_mut(size)))
+        .enumerate()
+        .try_for_each_init(Work::default, |work, (band, layers)| {
+            let ((direct, indirect), (cell, trust)) = layers;
+            let mut layers = Band {
+                direct,
+                indirect,
+                cell,
+                trust,
+            };
+            let mut tiles = Tile::of_band(view.width, view.height, band as u32);
+            tiles.try_for_each(|tile| job.tile(work, tile, &mut layers))
+        })?;
     let (with_direct, with_indirect) = parts(options.part);
     Ok(Frame {
         width: view.width,
@@ -115,72 +150,65 @@ fn parts(part: Part) -> (bool, bool) {
     (part != Part::Indirect, part != Part::Direct)
 }
 
-fn render_tile(
-    tracer: &Tracer,
-    field: &Field,
-    view: &View,
-    lights: &Lights,
-    options: &RenderOptions,
-    tile: Tile,
-) -> Result<Layers, RenderError> {
-    let side = options.side();
-    let seen = Visible::shoot(tracer, view, tile, side);
-    let weight = 1.0 / (side * side) as f32;
-    let (with_direct, with_indirect) = parts(options.part);
-    let mut layers = Layers {
-        direct: vec![Vec3::ZERO; tile.pixels()],
-        indirect: vec![Vec3::ZERO; tile.pixels()],
-        cell: vec![u32::MAX; tile.pixels()],
-        trust: vec![0.0; tile.pixels()],
-    };
-    if with_direct {
-        let values = point_lights(tracer, &seen, &lights.points);
-        seen.gather(values.into_iter(), weight, &mut layers.direct);
+impl Job<'_> {
+    fn tile(&self, work: &mut Work, tile: Tile, band: &mut Band) -> Result<(), RenderError> {
+        let side = self.options.side();
+        let weight = 1.0 / (side * side) as f32;
+        work.seen.shoot(self.tracer, self.view, tile, side);
+        let (with_direct, with_indirect) = parts(self.options.part);
+        if with_direct {
+            work.direct
+                .point_lights(self.tracer, &work.seen, self.points);
+            for (&pixel, &radiance) in work.seen.pixel.iter().zip(&work.direct.radiance) {
+                band.direct[tile.in_band(pixel, self.view.width)] += weight * radiance;
+            }
+        }
+        if with_indirect {
+            self.indirect(work, tile, weight, band)?;
+        }
+        Ok(())
     }
-    if with_indirect {
-        indirect(field, &seen, lights, options, weight, &mut layers)?;
-    }
-    Ok(layers)
-}
 
-/// The nets' light at the visible points, and which nets gave it.
-fn indirect(
-    field: &Field,
-    seen: &Visible,
-    lights: &Lights,
-    options: &RenderOptions,
-    weight: f32,
-    layers: &mut Layers,
-) -> Result<(), RenderError> {
-    let points: Vec<Light> = lights
-        .points
-        .iter()
-        .map(|light| Light {
-            position: light.position.to_array(),
-            intensity: light.intensity.to_array(),
-        })
-        .collect();
-    let (mut radiance, mut cells) = (<[Vec<f32>; 3]>::default(), Vec::new());
-    field.evaluate_lights(&seen.rows, &points, &mut radiance, &mut cells)?;
-    let [r, g, b] = &radiance;
-    let rgb = r.iter().zip(g).zip(b);
-    let rgb = rgb.map(|((&r, &g), &b)| Vec3::new(r, g, b));
-    seen.gather(rgb, weight, &mut layers.indirect);
-    if options.negative == Negative::Zero {
-        for pixel in &mut layers.indirect {
-            *pixel = pixel.max(Vec3::ZERO);
+    /// The nets' light at the visible points, and which nets gave it.
+    fn indirect(
+        &self,
+        work: &mut Work,
+        tile: Tile,
+        weight: f32,
+        band: &mut Band,
+    ) -> Result<(), RenderError> {
+        let Work {
+            seen,
+            radiance,
+            cells,
+            ..
+        } = work;
+        self.field
+            .evaluate_lights(&seen.rows, &self.lights, radiance, cells)?;
+        let at = |pixel: u32| tile.in_band(pixel, self.view.width);
+        let [r, g, b] = &*radiance;
+        let rgb = r.iter().zip(g).zip(b);
+        for (&pixel, ((&r, &g), &b)) in seen.pixel.iter().zip(rgb) {
+            band.indirect[at(pixel)] += weight * Vec3::new(r, g, b);
         }
-    }
-    for (&pixel, &cell) in seen.pixel.iter().zip(&cells).rev() {
-        layers.cell[pixel as usize] = cell; // of the pixel's first ray that hit
-    }
-    if let Some(trusted) = options.trusted {
-        let trust = trusted_under_all(trusted, &seen.rows, &points);
-        for (&pixel, trust) in seen.pixel.iter().zip(trust) {
-            layers.trust[pixel as usize] += if trust { weight } else { 0.0 };
+        // Of the pixel's first ray that hit, which comes last here.
+        for (&pixel, &cell) in seen.pixel.iter().zip(&*cells).rev() {
+            band.cell[at(pixel)] = cell;
         }
+        if self.options.negative == Negative::Zero {
+            for pixel in 0..tile.pixels() as u32 {
+                let value = &mut band.indirect[at(pixel)];
+                *value = value.max(Vec3::ZERO);
+            }
+        }
+        if let Some(trusted) = self.options.trusted {
+            let trust = trusted_under_all(trusted, &seen.rows, &self.lights);
+            for (&pixel, trust) in seen.pixel.iter().zip(trust) {
+                band.trust[at(pixel)] += if trust { weight } else { 0.0 };
+            }
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Whether each row is trusted under every one of the lights.

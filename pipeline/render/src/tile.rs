@@ -6,8 +6,11 @@ use rrf_field::columns::{self, Columns};
 use rrf_scene::INVALID;
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
-/// Pixels a side of a tile: its rows and what is computed from them stay in a core's cache.
-pub const SIDE: u32 = 32;
+/// Size of a tile in pixels: its rows and what is computed from them stay in a core's cache,
+/// and its cells have rows enough to fill blocks.
+pub const WIDTH: u32 = 64;
+/// Height of a tile.
+pub const HEIGHT: u32 = 16;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,35 +26,32 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// The tiles of a picture, row by row.
-    pub fn all(width: u32, height: u32) -> Vec<Tile> {
-        let starts = |size: u32| (0..size).step_by(SIDE as usize);
-        let tile = |x: u32, y: u32| Tile {
+    /// The tiles of band `band`, [`HEIGHT`] rows of a picture, from left to right.
+    pub fn of_band(width: u32, height: u32, band: u32) -> impl Iterator<Item = Tile> {
+        let y = band * HEIGHT;
+        (0..width).step_by(WIDTH as usize).map(move |x| Tile {
             x,
             y,
-            width: SIDE.min(width - x),
-            height: SIDE.min(height - y),
-        };
-        starts(height)
-            .flat_map(|y| starts(width).map(move |x| tile(x, y)))
-            .collect()
+            width: WIDTH.min(width - x),
+            height: HEIGHT.min(height - y),
+        })
     }
 
     /// How many pixels.
-    pub fn pixels(&self) -> usize {
+    pub fn pixels(self) -> usize {
         self.width as usize * self.height as usize
     }
 
-    /// The tile's pixel ids in the picture `width` pixels wide, row by row.
-    pub fn ids(self, width: u32) -> impl Iterator<Item = usize> {
-        let row = move |y: u32| (self.x..self.x + self.width).map(move |x| (x, y));
-        (self.y..self.y + self.height)
-            .flat_map(row)
-            .map(move |(x, y)| y as usize * width as usize + x as usize)
+    /// Place of pixel `pixel` of the tile in its band of a picture `width` pixels wide.
+    #[inline(always)]
+    pub fn in_band(self, pixel: u32, width: u32) -> usize {
+        let (row, column) = (pixel / self.width, pixel % self.width);
+        row as usize * width as usize + (self.x + column) as usize
     }
 }
 
 /// The surface points that a tile's camera rays meet; rays that miss have no row.
+/// Made once a thread and used for tile after tile.
 #[derive(Clone, Debug, Default)]
 pub struct Visible {
     /// Raw columns, the light's left at zero.
@@ -60,44 +60,60 @@ pub struct Visible {
     pub points: Vec<SurfacePoint>,
     /// Pixel of each row, counted within the tile.
     pub pixel: Vec<u32>,
+    rays: Rays,
+    hits: Hits,
 }
 
 impl Visible {
     /// Shoots `aa` x `aa` rays a pixel through the centres of its sub-squares.
-    pub fn shoot(tracer: &Tracer, view: &View, tile: Tile, aa: u32) -> Visible {
-        let (mut rays, mut hits) = (Rays::default(), Hits::default());
-        for pixel in 0..tile.pixels() as u32 {
-            let (x, y) = (tile.x + pixel % tile.width, tile.y + pixel / tile.width);
-            for sub in 0..aa * aa {
-                let offset = |i: u32| (i as f32 + 0.5) / aa as f32;
-                let (x, y) = (x as f32 + offset(sub % aa), y as f32 + offset(sub / aa));
-                rays.push(view.eye, view.direction(x, y), f32::INFINITY);
+    pub fn shoot(&mut self, tracer: &Tracer, view: &View, tile: Tile, aa: u32) {
+        let lens = view.lens();
+        let step = 1.0 / aa as f32;
+        self.rays.clear();
+        for y in tile.y..tile.y + tile.height {
+            for x in tile.x..tile.x + tile.width {
+                for sub in 0..aa * aa {
+                    let offset = |i: u32| (i as f32 + 0.5) * step;
+                    let (x, y) = (x as f32 + offset(sub % aa), y as f32 + offset(sub / aa));
+                    let direction = lens.direction(x, y);
+                    self.rays.push(view.eye, direction, f32::INFINITY);
+                }
             }
         }
-        tracer.closest(&rays, &mut hits);
-        let mut seen = Visible::default();
-        for (ray, &triangle) in hits.triangle.iter().enumerate() {
+        tracer.closest(&self.rays, &mut self.hits);
+        self.read_hits(tracer, aa);
+    }
+
+    /// The rows of the hits.
+    fn read_hits(&mut self, tracer: &Tracer, aa: u32) {
+        let found = self.hits.triangle.iter().filter(|&&t| t != INVALID);
+        let count = found.count();
+        for column in &mut self.rows.columns {
+            column.clear();
+            column.resize(count, 0.0);
+        }
+        self.points.clear();
+        self.pixel.clear();
+        let directions = self.rays.direction.iter();
+        let hits = self.hits.triangle.iter().zip(&self.hits.barycentrics);
+        for (ray, ((&triangle, &barycentrics), &direction)) in (0u32..).zip(hits.zip(directions)) {
             if triangle == INVALID {
                 continue;
             }
-            let point = tracer.point(triangle, hits.barycentrics[ray]);
-            seen.rows.push(raw(tracer, &point, -rays.direction[ray]));
-            seen.points.push(point);
-            seen.pixel.push(ray as u32 / (aa * aa));
+            let row = self.points.len();
+            let point = tracer.point(triangle, barycentrics);
+            let raw = raw(tracer, &point, -direction);
+            for (column, x) in self.rows.columns.iter_mut().zip(raw) {
+                column[row] = x;
+            }
+            self.points.push(point);
+            self.pixel.push(ray / (aa * aa));
         }
-        seen
     }
 
     /// Unit direction to the viewer of a row.
     pub fn viewer(&self, row: usize) -> Vec3 {
         self.rows.vec3(columns::V, row).into()
-    }
-
-    /// Adds each row's value, times `weight`, to its pixel.
-    pub fn gather(&self, values: impl Iterator<Item = Vec3>, weight: f32, pixels: &mut [Vec3]) {
-        for (&pixel, value) in self.pixel.iter().zip(values) {
-            pixels[pixel as usize] += weight * value;
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The same views by path tracing: what the nets' frames are judged by.
 
 use crate::compare::EPSILON_SHARE;
-use crate::direct::point_lights;
+use crate::direct::Direct;
 use crate::error::RenderError;
 use crate::facts;
 use crate::frame::{Frame, luminance};
@@ -89,20 +89,24 @@ fn trace_row(
         width: view.width,
         height: 1,
     };
-    let seen = Visible::shoot(tracer, view, tile, aa);
+    let mut seen = Visible::default();
+    seen.shoot(tracer, view, tile, aa);
     let viewers: Vec<Vec3> = (0..seen.points.len()).map(|r| seen.viewer(r)).collect();
     let black = || vec![Vec3::ZERO; tile.pixels()];
     let mut row = [[black(), black()], [black(), black()]];
     let weight = 1.0 / (aa * aa) as f32;
     let mut add = |part: usize, half: usize, values: &mut dyn Iterator<Item = Vec3>| {
-        seen.gather(values, weight, &mut row[part][half]);
+        for (&pixel, value) in seen.pixel.iter().zip(values) {
+            row[part][half][pixel as usize] += weight * value;
+        }
     };
 
-    let exact = point_lights(tracer, &seen, &lights.points);
+    let mut exact = Direct::default();
+    exact.point_lights(tracer, &seen, &lights.points);
     // every ray of the frame has its own index in a light's stream
     let first = u64::from(y) * u64::from(view.width) * u64::from(aa * aa);
     for half in 0..2 {
-        add(0, half, &mut exact.iter().copied());
+        add(0, half, &mut exact.radiance.iter().copied());
     }
     for (k, light) in (0u32..).zip(&lights.points) {
         let places = vec![light.position; viewers.len()];

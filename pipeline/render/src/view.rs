@@ -76,9 +76,39 @@ impl View {
     /// The unit direction through image position (x, y) in pixels from the top left corner;
     /// pixel centres lie at half integers.
     pub fn direction(&self, x: f32, y: f32) -> Vec3 {
+        self.lens().direction(x, y)
+    }
+
+    /// What all of the view's rays share.
+    pub fn lens(&self) -> Lens {
         let size = Vec2::new(self.width as f32, self.height as f32);
-        let half = (0.5 * self.fov.to_radians()).tan();
-        let at = (2.0 * Vec2::new(x, y) - size) / size.min_element() * half;
+        Lens {
+            right: self.right,
+            up: self.up,
+            forward: self.forward,
+            middle: 0.5 * size,
+            pixel: 2.0 * (0.5 * self.fov.to_radians()).tan() / size.min_element(),
+        }
+    }
+}
+
+/// A view's picture plane at distance 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
+    /// The picture's middle in pixels.
+    middle: Vec2,
+    /// Side of a pixel on the plane.
+    pixel: f32,
+}
+
+impl Lens {
+    /// As [`View::direction`].
+    #[inline(always)]
+    pub fn direction(&self, x: f32, y: f32) -> Vec3 {
+        let at = (Vec2::new(x, y) - self.middle) * self.pixel;
         (self.forward + at.x * self.right - at.y * self.up).normalize()
     }
 }

@@ -251,7 +251,7 @@ fn traced_and_rendered_frames_share_their_pixels() {
             ..RenderOptions::default()
         };
         let baked = render(&tracer, &linear_field(), &view, &lights, &options).unwrap();
-        let traced = trace_frame(&tracer, &view, &lights, aa * aa, aa, 1, &|_| ()).unwrap();
+        let traced = trace_frame(&tracer, &view, &lights, 2 * aa * aa, aa, 1, &|_| ()).unwrap();
         assert!(baked.direct == traced.direct);
     }
 }
