@@ -68,15 +68,43 @@ pub fn notices(
         if inside_solid(position) {
             notices.push(Notice::LightInSolid { light, position });
         }
-        if let Some([low, high]) = light_box {
-            if !(position.cmpge(low) & position.cmple(high)).all() {
-                notices.push(Notice::LightOutsideBox {
-                    light,
-                    position,
-                    light_box: [low, high],
-                });
-            }
+        let outside =
+            |[low, high]: &[Vec3; 2]| !(position.cmpge(*low) & position.cmple(*high)).all();
+        if let Some(light_box) = light_box.filter(outside) {
+            notices.push(Notice::LightOutsideBox {
+                light,
+                position,
+                light_box,
+            });
         }
     }
     notices
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_odd_place_is_told_once() {
+        let solid = |p: Vec3| p.x > 10.0;
+        let places = [
+            Vec3::ZERO,
+            Vec3::new(0.0, 2.0, 0.0),
+            Vec3::new(11.0, 0.0, 0.0),
+        ];
+        let light_box = [Vec3::splat(-1.0), Vec3::ONE];
+        let told = |eye: Vec3, light_box| {
+            let notices = notices(eye, places.into_iter(), light_box, solid);
+            let lines = notices.iter().map(|n| n.to_string());
+            lines.collect::<Vec<_>>()
+        };
+        let lines = told(Vec3::new(20.0, 0.0, 0.0), Some(light_box));
+        assert_eq!(lines.len(), 4, "{lines:?}");
+        assert!(lines[0].starts_with("the eye at [20, 0, 0] is inside a solid"));
+        assert!(lines[1].starts_with("point light 1 at [0, 2, 0] is outside the baked light box"));
+        assert!(lines[2].starts_with("point light 2 at [11, 0, 0] is inside a solid"));
+        assert!(lines[3].starts_with("point light 2 at [11, 0, 0] is outside"));
+        assert_eq!(told(Vec3::ZERO, None).len(), 1);
+    }
 }

@@ -34,7 +34,8 @@ impl Exposure {
     /// Exposed and clipped linear RGB in [0, 1]; NaN becomes 0.
     pub fn apply(self, rgb: Vec3) -> Vec3 {
         let exposed = rgb * self.ev.exp2();
-        Vec3::from_array(exposed.to_array().map(|x| x.max(0.0).min(1.0)))
+        let clip = |x: f32| if x > 0.0 { x.min(1.0) } else { 0.0 };
+        Vec3::from_array(exposed.to_array().map(clip))
     }
 }
 
