@@ -57,6 +57,17 @@ pub enum RenderError {
          give point lights (--light x,y,z[,r,g,b]), or render the frame by path tracing"
     )]
     AreaLights,
+    /// Samples that do not divide evenly over two halves and a pixel's positions.
+    #[error(
+        "{samples} paths a pixel cannot be shared by {aa}x{aa} positions in it and two halves; \
+         give a multiple of {}", 2 * aa * aa
+    )]
+    Samples {
+        /// Paths a pixel.
+        samples: u32,
+        /// Positions a side.
+        aa: u32,
+    },
     /// Evaluation of the nets.
     #[error(transparent)]
     Field(#[from] rrf_field::FieldError),
