@@ -13,6 +13,17 @@ use rrf_trace::TraceError;
 #[error("{0}")]
 pub struct BadInput(pub String);
 
+/// The error and what caused it, without the causes that the error itself already quotes.
+pub fn message(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
+}
+
 /// The exit code of an error: bad input wherever one of the libraries says so.
 pub fn exit_code(error: &anyhow::Error) -> u8 {
     let bad = error.chain().any(|cause| {

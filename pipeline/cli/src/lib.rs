@@ -28,7 +28,7 @@ pub fn main() -> ExitCode {
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("rrf: {error:#}");
+            eprintln!("rrf: {}", failure::message(&error));
             ExitCode::from(failure::exit_code(&error))
         }
     }

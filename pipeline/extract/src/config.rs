@@ -17,6 +17,14 @@ pub struct LightBox {
     pub maximum: [f32; 3],
 }
 
+/// As it is typed: `x0,y0,z0,x1,y1,z1`.
+impl std::fmt::Display for LightBox {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ([x0, y0, z0], [x1, y1, z1]) = (self.minimum, self.maximum);
+        write!(f, "{x0},{y0},{z0},{x1},{y1},{z1}")
+    }
+}
+
 impl LightBox {
     /// The position at `u` in [0, 1)^3.
     pub fn at(&self, u: [f32; 3]) -> Vec3 {
@@ -111,7 +119,7 @@ impl Census {
 #[derive(Debug, thiserror::Error)]
 pub enum ExtractError {
     /// The light box has no extent or does not meet the scene.
-    #[error("light box {light_box:?}: {message}")]
+    #[error("light box {light_box}: {message}")]
     LightBox {
         /// The box.
         light_box: LightBox,

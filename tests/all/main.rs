@@ -1,0 +1,12 @@
+//! The program as a person calls it: files in, files, messages and exit codes out.
+
+mod bad_points;
+mod bad_run;
+mod bad_scene;
+mod bad_usage;
+mod chain;
+mod judge;
+mod program;
+mod same_bits;
+mod table;
+mod truth;
