@@ -1,5 +1,6 @@
 //! The program as a person calls it: files in, files, messages and exit codes out.
 
+mod bad_folder;
 mod bad_points;
 mod bad_run;
 mod bad_scene;
