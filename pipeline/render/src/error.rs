@@ -57,6 +57,17 @@ pub enum RenderError {
          give point lights (--light x,y,z[,r,g,b]), or render the frame by path tracing"
     )]
     AreaLights,
+    /// Samples that do not divide evenly over two halves and a pixel's positions.
+    #[error(
+        "{samples} paths a pixel cannot be shared by {aa}x{aa} positions in it and two halves; \
+         give a multiple of {}", 2 * aa * aa
+    )]
+    Samples {
+        /// Paths a pixel.
+        samples: u32,
+        /// Positions a side.
+        aa: u32,
+    },
     /// Evaluation of the nets.
     #[error(transparent)]
     Field(#[from] rrf_field::FieldError),
@@ -73,14 +84,6 @@ pub enum RenderError {
         first: (u32, u32),
         /// Size of the second.
         second: (u32, u32),
-    },
-    /// A number of paths that does not share out.
-    #[error("{samples} paths a pixel: needs a multiple of {multiple}, two halves for each of {aa}x{aa} rays", multiple = 2 * aa * aa)]
-    Samples {
-        /// Paths a pixel.
-        samples: u32,
-        /// Rays a pixel are `aa` x `aa`.
-        aa: u32,
     },
     /// A pixel that is not a number or not finite.
     #[error("the {picture} picture has {value} at x {x}, y {y} (from the top left)")]

@@ -32,4 +32,4 @@ pub use notice::{Notice, notices};
 pub use render::{Negative, Part, RenderOptions, Trusted, render};
 pub use tile::raw;
 pub use trace_frame::trace_frame;
-pub use view::{Lights, View};
+pub use view::{Lens, Lights, View};

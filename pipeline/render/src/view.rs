@@ -1,7 +1,7 @@
 //! Where one looks from, and what shines.
 
 use crate::error::RenderError;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rrf_scene::{Camera, PointLight};
 
 /// A pinhole view. `right`, `up` and `forward` are unit and orthogonal, of either handedness.
@@ -81,13 +81,13 @@ impl View {
 
     /// What all of the view's rays share.
     pub fn lens(&self) -> Lens {
-        let shorter = self.width.min(self.height) as f32;
+        let size = Vec2::new(self.width as f32, self.height as f32);
         Lens {
             right: self.right,
             up: self.up,
             forward: self.forward,
-            middle: [0.5 * self.width as f32, 0.5 * self.height as f32],
-            pixel: 2.0 * (0.5 * self.fov.to_radians()).tan() / shorter,
+            middle: 0.5 * size,
+            pixel: 2.0 * (0.5 * self.fov.to_radians()).tan() / size.min_element(),
         }
     }
 }
@@ -98,9 +98,9 @@ pub struct Lens {
     right: Vec3,
     up: Vec3,
     forward: Vec3,
-    /// Half the picture's width and height, in pixels.
-    middle: [f32; 2],
-    /// Width of a pixel on the plane.
+    /// The picture's middle in pixels.
+    middle: Vec2,
+    /// Side of a pixel on the plane.
     pixel: f32,
 }
 
@@ -108,9 +108,8 @@ impl Lens {
     /// As [`View::direction`].
     #[inline(always)]
     pub fn direction(&self, x: f32, y: f32) -> Vec3 {
-        let right = (x - self.middle[0]) * self.pixel;
-        let up = (self.middle[1] - y) * self.pixel;
-        (self.forward + self.right * right + self.up * up).normalize()
+        let at = (Vec2::new(x, y) - self.middle) * self.pixel;
+        (self.forward + at.x * self.right - at.y * self.up).normalize()
     }
 }
 

@@ -44,6 +44,14 @@ impl Guard<'_> {
         }
     }
 
+    pub(crate) fn unsupported(&self, what: String, remedy: &'static str) -> StoreError {
+        StoreError::Unsupported {
+            path: self.path.into(),
+            what,
+            remedy,
+        }
+    }
+
     pub(crate) fn too_large(&self, what: &'static str, found: u64, limit: u64) -> StoreError {
         StoreError::TooLarge {
             path: self.path.into(),

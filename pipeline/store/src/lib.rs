@@ -40,6 +40,7 @@ pub mod atomic;
 mod columns;
 mod content;
 pub mod error;
+mod expanded;
 pub mod guard;
 pub mod layout;
 pub mod manifest;

@@ -3,6 +3,7 @@
 use crate::atomic::atomic_write;
 use crate::columns::Source;
 use crate::error::StoreError;
+use crate::expanded::expanded_bytes;
 use crate::guard::Limits;
 use crate::points_check::geometry;
 use crate::schema::{self, Table};
@@ -19,8 +20,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-pub(crate) const REMEDY: &str =
-    "A points table has float32 columns px py pz nx ny nz vx vy vz lx ly lz";
+const REMEDY: &str = "A points table has float32 columns px py pz nx ny nz vx vy vz lx ly lz";
+const REMAKE: &str = "Make the table anew";
 
 /// Queries as a file holds them.
 #[derive(Clone, Debug)]
@@ -62,9 +63,18 @@ enum Format {
 /// [`StoreError::Corrupt`], [`StoreError::TooLarge`], [`StoreError::UnknownFormat`].
 pub fn read_points(path: &Path, limits: Limits) -> Result<PointsTable, StoreError> {
     let batch = match format(path)? {
-        Format::Arrow => arrow_file::read(path, limits, REMEDY)?,
-        Format::Parquet => parquet_file::read(path, limits, REMEDY)?,
+        Format::Arrow => arrow_file::read(path, limits, REMAKE)?,
+        Format::Parquet => parquet_file::read(path, limits, REMAKE)?,
     };
+    let expanded = expanded_bytes(&batch);
+    if expanded > limits.decoded_bytes {
+        return Err(StoreError::TooLarge {
+            path: path.into(),
+            what: "the size of its values written out in bytes",
+            found: expanded,
+            limit: limits.decoded_bytes,
+        });
+    }
     let source = Source {
         path,
         table: Table::Points.name(),

@@ -3,7 +3,7 @@
 use crate::bsdf::Bsdf;
 use crate::lamps;
 use crate::tracer::Tracer;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use obvhs::aabb::Aabb;
 use rrf_scene::{INVALID, MaterialKind, Texture};
 
@@ -124,6 +124,9 @@ impl Tracer<'_> {
     /// viewer; among triangles at the same distance the one facing along `normal` wins.
     pub fn locate(&self, position: Vec3, normal: Vec3) -> Option<SurfacePoint> {
         let root = self.bvh.nodes.first()?.aabb();
+        if !position.is_finite() || !normal.is_finite() {
+            return None;
+        }
         let size = (root.max - root.min).max_element();
         let reach = 1e-3 * size;
         let around = Aabb::new((position - reach).into(), (position + reach).into());
@@ -277,6 +280,13 @@ impl Tracer<'_> {
     pub fn emission(&self, point: &SurfacePoint, v: Vec3) -> Vec3 {
         lamps::emission(self.scene, point.triangle, point.normal, v)
     }
+}
+
+/// Cross product of two edges: along the geometric normal, as long as twice the area. In f64,
+/// so that needles keep a direction.
+pub(crate) fn doubled_area(corners: [Vec3; 3]) -> DVec3 {
+    let [p0, p1, p2] = corners.map(Vec3::as_dvec3);
+    (p1 - p0).cross(p2 - p0)
 }
 
 /// Barycentrics of the point of a triangle nearest to `p`

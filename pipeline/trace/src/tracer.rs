@@ -3,6 +3,7 @@
 use crate::TraceError;
 use crate::lamps::Lamps;
 use crate::rays::{self, Hits, Rays};
+use crate::surface::doubled_area;
 use crate::wide::Wide;
 use glam::{Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
@@ -54,7 +55,7 @@ impl<'s> Tracer<'s> {
         for (id, triangle) in scene.triangles.iter().enumerate() {
             let points = triangle.map(|v| scene.positions[v as usize]);
             let [p0, p1, p2] = points;
-            let cross = (p1 - p0).as_dvec3().cross((p2 - p0).as_dvec3());
+            let cross = doubled_area(points);
             let area = 0.5 * cross.length();
             let largest = p0.abs().max(p1.abs()).max(p2.abs()).max_element();
             total += area;

@@ -7,6 +7,7 @@ const LARGEST_RATIO: u64 = 1 << 15;
 /// Small pages are let be.
 const SLACK: u64 = 1 << 16;
 /// Encodings of the format (`Encoding`).
+const DELTA_LENGTH_BYTE_ARRAY: i64 = 6;
 const DELTA_BYTE_ARRAY: i64 = 7;
 
 const DATA_PAGE: i64 = 0;
@@ -21,8 +22,10 @@ pub(super) struct Chunk {
     pub values: u64,
     /// Decoded bytes of the dictionary page.
     pub dictionary: u64,
-    /// Decoded bytes of the largest page whose values take over parts of those before.
-    pub largest_delta: u64,
+    /// Whether there is a page in DELTA_LENGTH_BYTE_ARRAY.
+    pub delta_length: bool,
+    /// Whether there is a page in DELTA_BYTE_ARRAY.
+    pub delta: bool,
     /// Decoded bytes of the largest page.
     pub largest_page: u64,
     /// Decoded bytes of all pages.
@@ -52,9 +55,8 @@ pub(super) fn walk(bytes: &[u8], width: Option<u64>) -> Result<Chunk, String> {
             DICTIONARY_PAGE => chunk.dictionary = page.decoded.max(1),
             _ => {}
         }
-        if page.encoding == Some(DELTA_BYTE_ARRAY) {
-            chunk.largest_delta = chunk.largest_delta.max(page.decoded);
-        }
+        chunk.delta_length |= page.encoding == Some(DELTA_LENGTH_BYTE_ARRAY);
+        chunk.delta |= page.encoding == Some(DELTA_BYTE_ARRAY);
         chunk.largest_page = chunk.largest_page.max(page.decoded);
         chunk.decoded = chunk.decoded.saturating_add(page.decoded);
         at += page.length;

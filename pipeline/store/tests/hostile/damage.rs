@@ -161,7 +161,7 @@ fn runner(cases: u32) -> TestRunner {
     TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))
 }
 
-/// Several changes at once, of the values that hurt: lengths, counts, offsets.
+/// Several changes at once, many to values that hurt as lengths, counts and offsets.
 #[test]
 fn many_changes() {
     quiet();
@@ -175,7 +175,8 @@ fn many_changes() {
         &[1],
         &[0x7f],
     ];
-    let change = (any::<Index>(), select(hurtful.to_vec()));
+    let hurtful = select(hurtful.map(<[u8]>::to_vec).to_vec());
+    let change = (any::<Index>(), prop_oneof![hurtful, vec(any::<u8>(), 1..4)]);
     for kind in kinds(run.path()) {
         let good = std::fs::read(&kind.path).unwrap();
         runner(500)

@@ -83,15 +83,27 @@ fn batch() -> RecordBatch {
     RecordBatch::try_from_iter(columns).unwrap()
 }
 
+/// A table whose text `delta` shares beginnings with the text before.
+pub fn delta_byte_array() -> Vec<u8> {
+    let properties = WriterProperties::builder()
+        .set_column_dictionary_enabled("delta".into(), false)
+        .set_column_encoding("delta".into(), Encoding::DELTA_BYTE_ARRAY);
+    write(&batch(), properties.build())
+}
+
 fn parquet(batch: &RecordBatch, codec: Compression, version: WriterVersion) -> Vec<u8> {
     let properties = WriterProperties::builder()
         .set_compression(codec)
         .set_writer_version(version)
         .set_column_dictionary_enabled("delta".into(), false)
-        .set_column_encoding("delta".into(), Encoding::DELTA_BYTE_ARRAY)
+        .set_column_encoding("delta".into(), Encoding::DELTA_LENGTH_BYTE_ARRAY)
         .set_data_page_row_count_limit(16)
         .set_write_batch_size(8)
         .build();
+    write(batch, properties)
+}
+
+fn write(batch: &RecordBatch, properties: WriterProperties) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties)).unwrap();
     writer.write(batch).unwrap();

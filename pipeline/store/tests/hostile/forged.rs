@@ -177,24 +177,52 @@ fn more_than_the_limit() {
     }
 }
 
+/// Queries with a text of a megabyte, which a dictionary repeats in every row.
+fn repeated_text(rows: usize) -> arrow::array::RecordBatch {
+    let batch = made::samples(1, 0, rows as u64).to_batch().unwrap();
+    let mut columns: Vec<(String, arrow::array::ArrayRef)> = Vec::new();
+    for (field, array) in batch.schema().fields().iter().zip(batch.columns()) {
+        columns.push((field.name().clone(), array.clone()));
+    }
+    let text = "a".repeat(1 << 20);
+    let keys = arrow::array::Int32Array::from(vec![0; rows]);
+    let values = arrow::array::StringArray::from(vec![text.as_str()]);
+    let texts = arrow::array::DictionaryArray::new(keys, std::sync::Arc::new(values));
+    columns.push(("text".into(), std::sync::Arc::new(texts)));
+    arrow::array::RecordBatch::try_from_iter(columns).unwrap()
+}
+
+/// The same in an Arrow file is small when read, and gigabytes when written out.
+#[test]
+fn an_arrow_dictionary_that_repeats_a_large_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.arrow");
+    for (rows, fits) in [(2_000, true), (20_000, false)] {
+        let batch = repeated_text(rows);
+        let file = std::fs::File::create(&path).unwrap();
+        let mut writer = arrow::ipc::writer::FileWriter::try_new(file, &batch.schema()).unwrap();
+        writer.write(&batch).unwrap();
+        writer.finish().unwrap();
+        let read = frugally("dictionary", || read_points(&path, Limits::default()));
+        match read {
+            Ok(points) => assert!(fits && points.len() == rows),
+            Err(error) => {
+                assert!(
+                    !fits && matches!(error, StoreError::TooLarge { .. }),
+                    "{error}"
+                );
+            }
+        }
+    }
+}
+
 /// A text of a megabyte that a dictionary repeats in every row: a few kilobytes of file, and
 /// gigabytes decoded. Reading stops at the limit, batch by batch.
 #[test]
 fn a_dictionary_that_repeats_a_large_text() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.parquet");
-    let rows = 20_000;
-    let batch = made::samples(1, 0, rows).to_batch().unwrap();
-    let mut columns: Vec<(String, arrow::array::ArrayRef)> = Vec::new();
-    for (field, array) in batch.schema().fields().iter().zip(batch.columns()) {
-        columns.push((field.name().clone(), array.clone()));
-    }
-    let text = "a".repeat(1 << 20);
-    let keys = arrow::array::Int32Array::from(vec![0; rows as usize]);
-    let values = arrow::array::StringArray::from(vec![text.as_str()]);
-    let texts = arrow::array::DictionaryArray::new(keys, std::sync::Arc::new(values));
-    columns.push(("text".into(), std::sync::Arc::new(texts)));
-    let batch = arrow::array::RecordBatch::try_from_iter(columns).unwrap();
+    let batch = repeated_text(20_000);
     let properties = parquet::file::properties::WriterProperties::builder()
         .set_compression(parquet::basic::Compression::ZSTD(Default::default()))
         .set_dictionary_page_size_limit(4 << 20)
@@ -213,4 +241,33 @@ fn a_dictionary_that_repeats_a_large_text() {
     };
     let error = frugally("dictionary", || read_points(&path, limits)).unwrap_err();
     assert!(matches!(error, StoreError::TooLarge { .. }), "{error}");
+}
+
+/// Its decoder allocates by a count that stands within the values.
+#[test]
+fn delta_byte_array_is_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let error = refused(&path, &crate::foreign::delta_byte_array());
+    assert!(matches!(error, StoreError::Unsupported { .. }), "{error}");
+    assert!(error.to_string().contains("column delta"), "{error}");
+}
+
+/// The number of texts within a page of lengths, forged to 2^60: 128, 4 and 16 begin the
+/// header of its lengths.
+#[test]
+fn a_count_within_a_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.parquet");
+    let (_, good) = crate::foreign::tables().swap_remove(0);
+    let at = (0..good.len()).filter(|&at| good[at..].starts_with(&[0x80, 1, 4, 16]));
+    let mut found = false;
+    for at in at {
+        let mut bytes = good.clone();
+        // As many bytes as before: 127 instead of 16 values.
+        bytes[at + 3] = 127;
+        let error = refused(&path, &bytes).to_string();
+        found |= error.contains("delta: Some(127) texts in a page of 16 values");
+    }
+    assert!(found);
 }

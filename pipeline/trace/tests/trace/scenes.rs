@@ -1,5 +1,4 @@
 //! Scenes in code, for tests and measurements.
-#![allow(dead_code)]
 
 use glam::{Vec2, Vec3};
 use rrf_scene::{AreaLight, INVALID, Material, MaterialKind, Scene};
@@ -151,7 +150,6 @@ pub fn cornell() -> Scene {
     let white = builder.material(lambert(Vec3::new(0.725, 0.71, 0.68)));
     let red = builder.material(lambert(Vec3::new(0.63, 0.065, 0.05)));
     let green = builder.material(lambert(Vec3::new(0.14, 0.45, 0.091)));
-    let black = builder.material(lambert(Vec3::ZERO));
     let quad: &[[u32; 3]] = &[[0, 1, 2], [0, 2, 3]];
     builder.cornell_part(
         &[

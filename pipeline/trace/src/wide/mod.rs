@@ -7,8 +7,9 @@
 //! All arithmetic is plain IEEE without fused operations: every instruction set gives the
 //! same bits.
 
+mod collapse;
+
 use glam::Vec3;
-use obvhs::bvh2::Bvh2;
 use rrf_scene::INVALID;
 
 /// Children of a node and triangles of a leaf.
@@ -17,9 +18,8 @@ type Lanes = [f32; WIDTH];
 
 /// Top bit of a child reference: the rest is a leaf.
 const LEAF: u32 = 1 << 31;
-/// Rounding units of its largest coordinate by which a box is grown: the edge products
-/// place a triangle's border no better than that.
-const PAD: f32 = 4.0 * f32::EPSILON;
+/// No child: a leaf that does not exist.
+const ABSENT: u32 = u32::MAX;
 /// The slab test's rounding, three operations a bound (Ize, JCGT 2013).
 const FAR_SLACK: f32 = 1.0 + 3.0 * f32::EPSILON;
 /// Stands in for zero direction components: keeps 0 times infinity out of the slab test.
@@ -51,6 +51,9 @@ struct Leaf {
 pub struct Wide {
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
+    /// Middle of the scene: all else is stored relative to it, so that a scene far from the
+    /// origin loses no digits.
+    centre: Vec3,
     /// Child references that can wait at once.
     depth: usize,
 }
@@ -96,59 +99,10 @@ impl Prepared {
 }
 
 impl Wide {
-    /// Collapses `tree`, whose primitive i is the triangle `corners[i]` with scene id `ids[i]`.
-    pub fn new(tree: &Bvh2, corners: &[[Vec3; 3]], ids: &[u32]) -> Wide {
-        let mut wide = Wide {
-            nodes: Vec::new(),
-            leaves: Vec::new(),
-            depth: 0,
-        };
-        let counts = counts(tree);
-        let source = Source {
-            tree,
-            counts: &counts,
-            corners,
-            ids,
-        };
-        if !tree.nodes.is_empty() {
-            wide.node(&source, &[0], 1);
-        }
-        wide
-    }
-
-    /// Appends a node that holds the subtrees `roots`, and everything below it.
-    fn node(&mut self, source: &Source, roots: &[usize], depth: usize) -> u32 {
-        self.depth = self.depth.max(depth * WIDTH);
-        let children = source.open(roots);
-        let index = self.nodes.len();
-        self.nodes.push(Node {
-            bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
-            child: [0; WIDTH],
-        });
-        for (lane, &root) in children.iter().enumerate() {
-            let node = &source.tree.nodes[root];
-            let child = if source.counts[root] as usize <= WIDTH {
-                self.leaves.push(source.leaf(root));
-                LEAF | (self.leaves.len() as u32 - 1)
-            } else {
-                self.node(source, &[root], depth + 1)
-            };
-            let (min, max) = (node.aabb().min, node.aabb().max);
-            let into = &mut self.nodes[index];
-            into.child[lane] = child;
-            for axis in 0..3 {
-                let grow = PAD * min[axis].abs().max(max[axis].abs());
-                into.bounds[axis][0][lane] = min[axis] - grow;
-                into.bounds[axis][1][lane] = max[axis] + grow;
-            }
-        }
-        index as u32
-    }
-
     /// The closest triangle with 0 < t < `t_max`.
     #[inline(always)]
     pub fn closest(&self, origin: Vec3, direction: Vec3, t_max: f32, stack: &mut Stack) -> Found {
-        let ray = Prepared::new(origin, direction);
+        let ray = Prepared::new(origin - self.centre, direction);
         let mut found = Found {
             id: INVALID,
             t: t_max,
@@ -176,7 +130,7 @@ impl Wide {
     /// Whether any triangle has 0 < t < `t_max`.
     #[inline(always)]
     pub fn occluded(&self, origin: Vec3, direction: Vec3, t_max: f32, stack: &mut Stack) -> bool {
-        let ray = Prepared::new(origin, direction);
+        let ray = Prepared::new(origin - self.centre, direction);
         stack.clear();
         stack.push((0, 0.0));
         while let Some((child, _)) = stack.pop() {
@@ -306,99 +260,4 @@ fn min(a: f32, b: f32) -> f32 {
 #[inline(always)]
 fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
-}
-
-/// What a collapse reads.
-struct Source<'a> {
-    tree: &'a Bvh2,
-    /// Triangles below each binary node.
-    counts: &'a [u32],
-    corners: &'a [[Vec3; 3]],
-    ids: &'a [u32],
-}
-
-impl Source<'_> {
-    /// Up to eight subtrees that together hold `roots`: the largest box is opened first.
-    fn open(&self, roots: &[usize]) -> Vec<usize> {
-        let mut children = roots.to_vec();
-        while children.len() < WIDTH {
-            let area = |&root: &usize| self.tree.nodes[root].aabb().half_area();
-            let widest = children
-                .iter()
-                .enumerate()
-                .filter(|&(_, &root)| {
-                    !self.tree.nodes[root].is_leaf() && self.counts[root] as usize > WIDTH / 2
-                })
-                .max_by(|a, b| area(a.1).total_cmp(&area(b.1)))
-                .map(|(at, _)| at);
-            let Some(at) = widest else { break };
-            let first = self.tree.nodes[children[at]].first_index as usize;
-            children[at] = first;
-            children.insert(at + 1, first + 1);
-        }
-        children
-    }
-
-    /// The triangles of a subtree as one leaf.
-    fn leaf(&self, root: usize) -> Leaf {
-        let mut leaf = Leaf {
-            plane: [[0.0; WIDTH]; 4],
-            edges: [[[0.0; WIDTH]; 6]; 3],
-            ids: [INVALID; WIDTH],
-        };
-        let mut slots = Vec::with_capacity(WIDTH);
-        self.gather(root, &mut slots);
-        for (lane, &slot) in slots.iter().take(WIDTH).enumerate() {
-            leaf.ids[lane] = self.ids[slot];
-            let [p0, p1, p2] = self.corners[slot];
-            let cross = (p1 - p0).as_dvec3().cross((p2 - p0).as_dvec3());
-            let normal = cross.normalize_or_zero();
-            let offset = normal.dot(p0.as_dvec3()) as f32;
-            let normal = normal.as_vec3();
-            for (row, value) in [normal.x, normal.y, normal.z, offset]
-                .into_iter()
-                .enumerate()
-            {
-                leaf.plane[row][lane] = value;
-            }
-            for (edge, (a, b)) in [(p1, p2), (p2, p0), (p0, p1)].into_iter().enumerate() {
-                let (along, moment) = (b - a, a.cross(b));
-                let six = [along.x, along.y, along.z, moment.x, moment.y, moment.z];
-                for (row, value) in six.into_iter().enumerate() {
-                    leaf.edges[edge][row][lane] = value;
-                }
-            }
-        }
-        leaf
-    }
-
-    fn gather(&self, root: usize, slots: &mut Vec<usize>) {
-        let node = &self.tree.nodes[root];
-        if node.is_leaf() {
-            let range = node.first_index..node.first_index + node.prim_count;
-            slots.extend(range.map(|i| self.tree.primitive_indices[i as usize] as usize));
-        } else {
-            self.gather(node.first_index as usize, slots);
-            self.gather(node.first_index as usize + 1, slots);
-        }
-    }
-}
-
-/// Triangles below each node.
-fn counts(tree: &Bvh2) -> Vec<u32> {
-    fn visit(tree: &Bvh2, root: usize, counts: &mut [u32]) -> u32 {
-        let node = &tree.nodes[root];
-        counts[root] = if node.is_leaf() {
-            node.prim_count
-        } else {
-            let first = node.first_index as usize;
-            visit(tree, first, counts) + visit(tree, first + 1, counts)
-        };
-        counts[root]
-    }
-    let mut counts = vec![0; tree.nodes.len()];
-    if !tree.nodes.is_empty() {
-        visit(tree, 0, &mut counts);
-    }
-    counts
 }
