@@ -1,6 +1,6 @@
 //! The program as a person calls it: files in, files, messages and exit codes out.
 
-#![allow(clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod bad_folder;
 mod bad_points;
