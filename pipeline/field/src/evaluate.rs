@@ -244,3 +244,61 @@ fn finite(model: &CellModel) -> bool {
     .iter()
     .all(|values| values.iter().all(|x| x.is_finite()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::net::Shape;
+    use crate::rng::{Stage, Stream};
+
+    /// What each kind of processor computes, whatever this one is.
+    #[test]
+    fn every_register_shape_gives_the_same() {
+        let mut random = Stream::new(3, Stage::Test, 0).walk(0);
+        let mut number = || 2.0 * random.next_f32() - 1.0;
+        let mut rows = Columns::default();
+        for _ in 0..150 {
+            rows.push(std::array::from_fn(|_| number()));
+        }
+        let shape = Shape {
+            sizes: vec![15, 21, 10, 3],
+        };
+        let packed = Packed::new(&CellModel {
+            cell: 0,
+            inputs: (5..20).collect(),
+            input_offset: (0..15).map(|_| number()).collect(),
+            input_scale: (0..15).map(|_| number()).collect(),
+            weights: (0..shape.weights()).map(|_| number()).collect(),
+            shape,
+            output_scale: [1.0; 3],
+            output_offset: [0.0; 3],
+            divide_base: false,
+        });
+        let ids: Vec<u32> = (0..150).filter(|id| id % 11 != 3).collect();
+        let run = |with: fn(&Packed, &Columns, &[u32], &mut Scratch, &mut [Vec<f32>; 3])| {
+            let mut out = [(); 3].map(|()| vec![0.0f32; 150]);
+            with(
+                &packed,
+                &rows,
+                &ids,
+                &mut Scratch::new(packed.width()),
+                &mut out,
+            );
+            out
+        };
+        let plain = run(evaluate_with::<false, 8>);
+        let fused = run(evaluate_with::<true, 8>);
+        assert_eq!(fused, run(evaluate_with::<true, 16>));
+        assert_eq!(fused, run(evaluate_with::<true, 32>));
+        assert_eq!(plain, run(evaluate_with::<false, 32>));
+        let dispatched = run(evaluate_cell);
+        assert!(dispatched == fused || dispatched == plain);
+        for c in 0..3 {
+            for row in 0..150 {
+                // Outputs are sums of eleven terms of size about one.
+                assert!((plain[c][row] - fused[c][row]).abs() < 1e-5);
+                assert_eq!(plain[c][row] == 0.0, row % 11 == 3);
+            }
+        }
+    }
+}
