@@ -275,7 +275,8 @@ mod tests {
             divide_base: false,
         });
         let ids: Vec<u32> = (0..150).filter(|id| id % 11 != 3).collect();
-        let run = |with: fn(&Packed, &Columns, &[u32], &mut Scratch, &mut [Vec<f32>; 3])| {
+        type Evaluate = fn(&Packed, &Columns, &[u32], &mut Scratch, &mut [Vec<f32>; 3]);
+        let run = |with: Evaluate| {
             let mut out = [(); 3].map(|()| vec![0.0f32; 150]);
             with(
                 &packed,

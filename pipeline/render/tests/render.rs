@@ -278,7 +278,10 @@ fn what_cannot_be_rendered_is_refused() {
         let refused = render(&tracer, &field, &above([4, 4]), &bad, &options).unwrap_err();
         assert!(matches!(refused, RenderError::Light { light: 1 }));
         let refused = trace_frame(&tracer, &above([4, 4]), &none, 6, 2, 1, &|_| ()).unwrap_err();
-        assert!(matches!(refused, RenderError::Trace(_)), "{refused}");
+        assert!(matches!(
+            refused,
+            RenderError::Samples { samples: 6, aa: 2 }
+        ));
         // Without lights all is dark, and that is a frame.
         let dark = render(&tracer, &field, &above([4, 4]), &none, &options).unwrap();
         assert!(dark.full.iter().all(|&p| p == Vec3::ZERO));
@@ -297,9 +300,9 @@ fn what_cannot_be_rendered_is_refused() {
     assert!(matches!(refused, RenderError::AreaLights));
 }
 
-/// A closed unit cube seen from its middle, diagonals of the picture along its edges: no pixel
-/// sees past the walls. In a closed room of albedo ρ every point has indirect light; the light
-/// at the middle lights all walls alike by symmetry, so edge pixels are no darker than half.
+/// A closed cube seen from its middle, the picture's diagonals along its edges. Indirect light
+/// is continuous up to an edge, but a point exactly on one sees past both walls and has half of
+/// it. With 128 paths a pixel has a standard error of 4 %: 0.75 is 5 of them away from either.
 #[test]
 fn pixels_on_edges_are_lit() {
     let mut scene = floor(false);
@@ -326,7 +329,7 @@ fn pixels_on_edges_are_lit() {
     let middle = Vec3::splat(0.5);
     let view = View::look_at(middle, Vec3::new(0.5, 0.5, 0.0), Vec3::Y, 120.0, [64, 64]);
     let lights = lights(vec![point([0.5; 3], [1.0; 3])]);
-    let frame = trace_frame(&tracer, &view, &lights, 512, 1, 1, &|_| ()).unwrap();
+    let frame = trace_frame(&tracer, &view, &lights, 128, 1, 1, &|_| ()).unwrap();
     let indirect = frame.indirect.unwrap();
     for i in 4..18usize {
         let at = |x: usize| indirect[i * 64 + x].x;
