@@ -59,7 +59,10 @@ impl Field {
     /// The cell of each row.
     pub fn cells(&self, rows: &Columns, cells: &mut Vec<u32>) -> Result<(), FieldError> {
         check_rows(rows)?;
-        self.walk.cells(rows, cells);
+        cells.clear();
+        cells.resize(rows.len(), u32::MAX);
+        self.walk
+            .groups(rows, None, |group| mark(cells, group.rows, group.cell));
         Ok(())
     }
 
@@ -72,26 +75,26 @@ impl Field {
         out: &mut [Vec<f32>; 3],
         cells: &mut Vec<u32>,
     ) -> Result<(), FieldError> {
-        self.prepare(rows, out)?;
-        self.walk.cells(rows, cells);
-        let (order, starts) = group(cells, self.packed.len());
+        self.prepare(rows, out, cells)?;
         let mut scratch = Scratch::new(self.width);
-        for (packed, range) in self.packed.iter().zip(starts.windows(2)) {
-            let ids = &order[range[0] as usize..range[1] as usize];
-            if !ids.is_empty() {
-                evaluate_cell(packed, rows, ids, &mut scratch, out);
-            }
-        }
+        self.walk.groups(rows, None, |group| {
+            mark(cells, group.rows, group.cell);
+            let packed = &self.packed[group.cell as usize];
+            evaluate_cell(packed, rows, group.rows, &mut scratch, out);
+        });
         Ok(())
     }
 
-    /// Checks the rows and makes `out` as long, zeros.
+    /// Checks the rows and makes `out` and `cells` as long, zeros and no cell.
     pub(crate) fn prepare(
         &self,
         rows: &Columns,
         out: &mut [Vec<f32>; 3],
+        cells: &mut Vec<u32>,
     ) -> Result<(), FieldError> {
         check_rows(rows)?;
+        cells.clear();
+        cells.resize(rows.len(), u32::MAX);
         for channel in out.iter_mut() {
             channel.clear();
             channel.resize(rows.len(), 0.0);
@@ -100,23 +103,11 @@ impl Field {
     }
 }
 
-/// Row ids sorted by cell, rows of a cell in their order, and where each cell starts.
-fn group(cells: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; count + 1];
-    for &cell in cells {
-        starts[cell as usize + 1] += 1;
+/// Notes the cell of the rows `ids`.
+pub(crate) fn mark(cells: &mut [u32], ids: &[u32], cell: u32) {
+    for &id in ids {
+        cells[id as usize] = cell;
     }
-    for c in 0..count {
-        starts[c + 1] += starts[c];
-    }
-    let mut next = starts.clone();
-    let mut order = vec![0u32; cells.len()];
-    for (row, &cell) in cells.iter().enumerate() {
-        let at = &mut next[cell as usize];
-        order[*at as usize] = row as u32;
-        *at += 1;
-    }
-    (order, starts)
 }
 
 /// The rows `ids`, all of one cell.
@@ -162,10 +153,15 @@ fn evaluate_with<const FUSED: bool, const LANES: usize>(
             &derived,
             &mut scratch.scaled,
         );
-        kernel::net::<FUSED, LANES>(packed, false, &raw, scratch, &mut result);
+        kernel::net::<FUSED, LANES>(packed, ids.len(), false, &raw, scratch, &mut result);
         for (out, result) in out.iter_mut().zip(&result) {
-            for (&id, value) in ids.iter().zip(result.0) {
-                out[id as usize] = value;
+            match run(ids) {
+                Some(run) => out[run].copy_from_slice(&result.0[..ids.len()]),
+                None => {
+                    for (&id, value) in ids.iter().zip(result.0) {
+                        out[id as usize] = value;
+                    }
+                }
             }
         }
     }
@@ -174,18 +170,25 @@ fn evaluate_with<const FUSED: bool, const LANES: usize>(
 /// The rows' columns that the cell reads. Rows beyond `ids` keep what an earlier block left.
 #[inline(always)]
 pub(crate) fn gather(packed: &Packed, rows: &Columns, ids: &[u32], raw: &mut RawBlock) {
-    let (first, last) = (ids[0] as usize, ids[ids.len() - 1] as usize);
-    let run = last - first + 1 == ids.len();
+    let run = run(ids);
     for &c in &packed.columns {
         let (lane, column) = (&mut raw[usize::from(c)].0, &rows.columns[usize::from(c)]);
-        if run {
-            lane[..ids.len()].copy_from_slice(&column[first..=last]);
-        } else {
-            for (x, &id) in lane.iter_mut().zip(ids) {
-                *x = column[id as usize];
+        match &run {
+            Some(run) => lane[..ids.len()].copy_from_slice(&column[run.clone()]),
+            None => {
+                for (x, &id) in lane.iter_mut().zip(ids) {
+                    *x = column[id as usize];
+                }
             }
         }
     }
+}
+
+/// The range that ascending ids make up, if they leave nothing out.
+#[inline(always)]
+pub(crate) fn run(ids: &[u32]) -> Option<std::ops::Range<usize>> {
+    let (first, last) = (*ids.first()? as usize, *ids.last()? as usize);
+    (last - first + 1 == ids.len()).then_some(first..last + 1)
 }
 
 fn check_rows(rows: &Columns) -> Result<(), FieldError> {
@@ -240,4 +243,63 @@ fn finite(model: &CellModel) -> bool {
     ]
     .iter()
     .all(|values| values.iter().all(|x| x.is_finite()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::net::Shape;
+    use crate::rng::{Stage, Stream};
+
+    /// What each kind of processor computes, whatever this one is.
+    #[test]
+    fn every_register_shape_gives_the_same() {
+        let mut random = Stream::new(3, Stage::Test, 0).walk(0);
+        let mut number = || 2.0 * random.next_f32() - 1.0;
+        let mut rows = Columns::default();
+        for _ in 0..150 {
+            rows.push(std::array::from_fn(|_| number()));
+        }
+        let shape = Shape {
+            sizes: vec![15, 21, 10, 3],
+        };
+        let packed = Packed::new(&CellModel {
+            cell: 0,
+            inputs: (5..20).collect(),
+            input_offset: (0..15).map(|_| number()).collect(),
+            input_scale: (0..15).map(|_| number()).collect(),
+            weights: (0..shape.weights()).map(|_| number()).collect(),
+            shape,
+            output_scale: [1.0; 3],
+            output_offset: [0.0; 3],
+            divide_base: false,
+        });
+        let ids: Vec<u32> = (0..150).filter(|id| id % 11 != 3).collect();
+        type Evaluate = fn(&Packed, &Columns, &[u32], &mut Scratch, &mut [Vec<f32>; 3]);
+        let run = |with: Evaluate| {
+            let mut out = [(); 3].map(|()| vec![0.0f32; 150]);
+            with(
+                &packed,
+                &rows,
+                &ids,
+                &mut Scratch::new(packed.width()),
+                &mut out,
+            );
+            out
+        };
+        let plain = run(evaluate_with::<false, 8>);
+        let fused = run(evaluate_with::<true, 8>);
+        assert_eq!(fused, run(evaluate_with::<true, 16>));
+        assert_eq!(fused, run(evaluate_with::<true, 32>));
+        assert_eq!(plain, run(evaluate_with::<false, 32>));
+        let dispatched = run(evaluate_cell);
+        assert!(dispatched == fused || dispatched == plain);
+        for (plain, fused) in plain.iter().zip(&fused) {
+            for (row, (a, b)) in plain.iter().zip(fused).enumerate() {
+                // Outputs are sums of eleven terms of size about one.
+                assert!((a - b).abs() < 1e-5);
+                assert_eq!(*a == 0.0, row % 11 == 3);
+            }
+        }
+    }
 }

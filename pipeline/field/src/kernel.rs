@@ -53,13 +53,19 @@ pub fn scale(
     }
 }
 
-/// First-layer sums over the inputs that the light does not change, into `scratch.sums`.
+/// First-layer sums over the inputs that the light does not change, into `scratch.sums`,
+/// of the block's first `rows` rows.
 #[inline(always)]
-pub fn fixed_sums<const FUSED: bool, const LANES: usize>(packed: &Packed, scratch: &mut Scratch) {
+pub fn fixed_sums<const FUSED: bool, const LANES: usize>(
+    packed: &Packed,
+    rows: usize,
+    scratch: &mut Scratch,
+) {
     let (n_in, n_out) = (packed.sizes[0], packed.sizes[1]);
     let x = &scratch.scaled[..packed.fixed];
     layer::<FUSED, LANES>(
         &packed.weights,
+        rows,
         n_in,
         0,
         x,
@@ -68,11 +74,12 @@ pub fn fixed_sums<const FUSED: bool, const LANES: usize>(packed: &Packed, scratc
     );
 }
 
-/// The net on the scaled inputs, its output scaled back, into `out`.
+/// The net on the scaled inputs of the first `rows` rows, its output scaled back, into `out`.
 /// With `resume` the first layer goes on from `scratch.sums`; the bits are the same.
 #[inline(always)]
 pub fn net<const FUSED: bool, const LANES: usize>(
     packed: &Packed,
+    rows: usize,
     resume: bool,
     raw: &RawBlock,
     scratch: &mut Scratch,
@@ -91,14 +98,14 @@ pub fn net<const FUSED: bool, const LANES: usize>(
             &mut out[..]
         };
         if l > 0 {
-            layer::<FUSED, LANES>(weights, n_in, 0, &x[..n_in], target, hidden);
+            layer::<FUSED, LANES>(weights, rows, n_in, 0, &x[..n_in], target, hidden);
         } else if resume {
             target.copy_from_slice(&scratch.sums[..n_out]);
             let x = &scratch.scaled[packed.fixed..n_in];
-            layer::<FUSED, LANES>(weights, n_in, packed.fixed + 1, x, target, hidden);
+            layer::<FUSED, LANES>(weights, rows, n_in, packed.fixed + 1, x, target, hidden);
         } else {
             let x = &scratch.scaled[..n_in];
-            layer::<FUSED, LANES>(weights, n_in, 0, x, target, hidden);
+            layer::<FUSED, LANES>(weights, rows, n_in, 0, x, target, hidden);
         }
         weights = &weights[(n_in + 1) * n_out..];
         std::mem::swap(&mut x, &mut y);
@@ -128,6 +135,7 @@ fn finish(packed: &Packed, raw: &RawBlock, out: &mut [Lane; 3]) {
 #[inline(always)]
 fn layer<const FUSED: bool, const LANES: usize>(
     weights: &[f32],
+    rows: usize,
     n_in: usize,
     skip: usize,
     x: &[Lane],
@@ -139,9 +147,9 @@ fn layer<const FUSED: bool, const LANES: usize>(
         let size = group(y.len());
         let (now, later) = y.split_at_mut(size);
         match size {
-            1 => neurons::<FUSED, LANES, 1>(w, skip, x, now, hidden),
-            2 => neurons::<FUSED, LANES, 2>(w, skip, x, now, hidden),
-            _ => neurons::<FUSED, LANES, 4>(w, skip, x, now, hidden),
+            1 => neurons::<FUSED, LANES, 1>(w, rows, skip, x, now, hidden),
+            2 => neurons::<FUSED, LANES, 2>(w, rows, skip, x, now, hidden),
+            _ => neurons::<FUSED, LANES, 4>(w, rows, skip, x, now, hidden),
         }
         w = &w[size * (n_in + 1)..];
         y = later;
@@ -152,6 +160,7 @@ fn layer<const FUSED: bool, const LANES: usize>(
 #[inline(always)]
 fn neurons<const FUSED: bool, const LANES: usize, const J: usize>(
     weights: &[f32],
+    rows: usize,
     skip: usize,
     x: &[Lane],
     y: &mut [Lane],
@@ -161,7 +170,7 @@ fn neurons<const FUSED: bool, const LANES: usize, const J: usize>(
         return;
     };
     let (bias, weights) = weights.split_at(J * skip.max(1));
-    for r in 0..BLOCK / LANES {
+    for r in 0..rows.min(BLOCK).div_ceil(LANES) {
         let mut sums = [[0.0f32; LANES]; J];
         for j in 0..J {
             sums[j] = if skip == 0 {

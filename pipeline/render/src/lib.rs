@@ -30,6 +30,6 @@ pub use error::RenderError;
 pub use frame::{Frame, Picture, luminance};
 pub use notice::{Notice, notices};
 pub use render::{Negative, Part, RenderOptions, Trusted, render};
-pub use tile::raw;
+pub use tile::{OFF_CENTRE, raw};
 pub use trace_frame::trace_frame;
 pub use view::{Lens, Lights, View};

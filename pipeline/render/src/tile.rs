@@ -12,6 +12,11 @@ pub const WIDTH: u32 = 64;
 /// Height of a tile.
 pub const HEIGHT: u32 = 16;
 
+/// Where camera rays pass, in pixels from the centre of their square (of a sub-square, if a
+/// pixel has several). Not quite through it: symmetric scenes put edges exactly there, and a
+/// point on an edge of two walls sees past both of them.
+pub const OFF_CENTRE: [f32; 2] = [1.0 / 256.0, 1.0 / 384.0];
+
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
@@ -65,7 +70,7 @@ pub struct Visible {
 }
 
 impl Visible {
-    /// Shoots `aa` x `aa` rays a pixel through the centres of its sub-squares.
+    /// Shoots `aa` x `aa` rays a pixel, one through each of its sub-squares.
     pub fn shoot(&mut self, tracer: &Tracer, view: &View, tile: Tile, aa: u32) {
         let lens = view.lens();
         let step = 1.0 / aa as f32;
@@ -73,9 +78,9 @@ impl Visible {
         for y in tile.y..tile.y + tile.height {
             for x in tile.x..tile.x + tile.width {
                 for sub in 0..aa * aa {
-                    let offset = |i: u32| (i as f32 + 0.5) * step;
-                    let (x, y) = (x as f32 + offset(sub % aa), y as f32 + offset(sub / aa));
-                    let direction = lens.direction(x, y);
+                    let across = (sub % aa) as f32 * step + 0.5 * step + OFF_CENTRE[0];
+                    let down = (sub / aa) as f32 * step + 0.5 * step + OFF_CENTRE[1];
+                    let direction = lens.direction(x as f32 + across, y as f32 + down);
                     self.rays.push(view.eye, direction, f32::INFINITY);
                 }
             }

@@ -9,7 +9,8 @@ use rrf_field::model::CellModel;
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_render::{
-    Frame, Lights, Negative, Part, RenderError, RenderOptions, View, render, trace_frame,
+    Frame, Lights, Negative, OFF_CENTRE, Part, RenderError, RenderOptions, View, render,
+    trace_frame,
 };
 use rrf_scene::{AreaLight, INVALID, Material, MaterialKind, PointLight, Scene};
 use rrf_trace::Tracer;
@@ -57,9 +58,9 @@ fn above(size: [u32; 2]) -> View {
     View::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, Vec3::Y, 30.0, size)
 }
 
-/// Where the ray through image position (x, y) meets z = 0.
+/// Where the ray nearest to image position (x, y) meets z = 0.
 fn on_floor(view: &View, x: f32, y: f32) -> Vec3 {
-    let d = view.direction(x, y);
+    let d = view.direction(x + OFF_CENTRE[0], y + OFF_CENTRE[1]);
     view.eye - d * (view.eye.z / d.z)
 }
 
@@ -277,7 +278,10 @@ fn what_cannot_be_rendered_is_refused() {
         let refused = render(&tracer, &field, &above([4, 4]), &bad, &options).unwrap_err();
         assert!(matches!(refused, RenderError::Light { light: 1 }));
         let refused = trace_frame(&tracer, &above([4, 4]), &none, 6, 2, 1, &|_| ()).unwrap_err();
-        assert!(matches!(refused, RenderError::Trace(_)), "{refused}");
+        assert!(matches!(
+            refused,
+            RenderError::Samples { samples: 6, aa: 2 }
+        ));
         // Without lights all is dark, and that is a frame.
         let dark = render(&tracer, &field, &above([4, 4]), &none, &options).unwrap();
         assert!(dark.full.iter().all(|&p| p == Vec3::ZERO));
@@ -294,4 +298,46 @@ fn what_cannot_be_rendered_is_refused() {
     };
     let refused = render(&tracer, &field, &above([4, 4]), &area, &options).unwrap_err();
     assert!(matches!(refused, RenderError::AreaLights));
+}
+
+/// A closed cube seen from its middle, the picture's diagonals along its edges. Indirect light
+/// is continuous up to an edge, but a point exactly on one sees past both walls and has half of
+/// it. With 128 paths a pixel has a standard error of 4 %: 0.75 is 5 of them away from either.
+#[test]
+fn pixels_on_edges_are_lit() {
+    let mut scene = floor(false);
+    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+    scene.positions = (0..8).map(corner).collect();
+    scene.normals = vec![Vec3::ZERO; 8];
+    scene.uvs = vec![Vec2::ZERO; 8];
+    let faces = [
+        [0, 1, 3, 2],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 3, 7, 5],
+    ];
+    scene.triangles = faces
+        .iter()
+        .flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]])
+        .collect();
+    scene.triangle_material = vec![0; 12];
+    scene.triangle_light = vec![INVALID; 12];
+    scene.triangle_object = vec![0; 12];
+    let tracer = Tracer::new(&scene).unwrap();
+    let middle = Vec3::splat(0.5);
+    let view = View::look_at(middle, Vec3::new(0.5, 0.5, 0.0), Vec3::Y, 120.0, [64, 64]);
+    let lights = lights(vec![point([0.5; 3], [1.0; 3])]);
+    let frame = trace_frame(&tracer, &view, &lights, 128, 1, 1, &|_| ()).unwrap();
+    let indirect = frame.indirect.unwrap();
+    for i in 4..18usize {
+        let at = |x: usize| indirect[i * 64 + x].x;
+        let beside = 0.5 * (at(i - 2) + at(i + 2));
+        assert!(
+            at(i) > 0.75 * beside,
+            "pixel {i}: {} beside {beside}",
+            at(i)
+        );
+    }
 }
