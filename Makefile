@@ -26,11 +26,13 @@ demo: build
 	@echo "The pictures: $(OUT)/model.png (baked nets) and $(OUT)/traced.png (path traced);"
 	@echo "the same as EXR with the layers direct, indirect and cell beside them."
 
-test: build python
+# cargo test builds the program and the examples that the Python checks call
+test: setup python
 	cargo fmt --all --check
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
 	cargo test --release --locked --workspace
-	RRF=$(abspath $(RRF)) $(VENV)/bin/python -m pytest -q tests/python
+	RRF=$(abspath $(RRF)) RRF_EXAMPLES=$(abspath $(dir $(RRF))examples) \
+		$(VENV)/bin/python -m pytest -q tests/python
 
 python: $(VENV)/installed
 

@@ -33,10 +33,11 @@ pub fn bake(
     watch: &dyn Watch,
 ) -> Result<BakeReport, BakeError> {
     let start = Instant::now();
-    let tracer = Tracer::new(scene)?;
     let run = Run::create(run, scene, config, resume)?;
-    let plan = plan(&run, scene, &tracer)?;
-    extract(&run, scene, &tracer, &plan, None, watch)?;
+    let scene = scene.unlit();
+    let tracer = Tracer::new(&scene)?;
+    let plan = plan(&run, &scene, &tracer)?;
+    extract(&run, &scene, &tracer, &plan, None, watch)?;
     let extracting = start.elapsed();
     train(&run, &plan, watch)?;
     let judgement = judge(&run, &plan)?;

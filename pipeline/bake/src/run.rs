@@ -2,11 +2,13 @@
 
 use crate::config::BakeConfig;
 use crate::error::BakeError;
-use rrf_extract::Plan;
+use rrf_extract::{ExtractError, Plan};
 use rrf_scene::Scene;
 use rrf_store::StoreError;
 use rrf_store::atomic::atomic_write;
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -25,6 +27,7 @@ impl Run {
     /// Begins a run, or goes on with the same one.
     ///
     /// # Errors
+    /// [`BakeError::Extract`] for settings that no scene or not this one allows,
     /// [`BakeError::Exists`] where a run lies and `resume` is not set, [`BakeError::OtherRun`]
     /// where it was begun with another scene or other settings, [`BakeError::Store`].
     pub fn create(
@@ -33,6 +36,9 @@ impl Run {
         config: &BakeConfig,
         resume: bool,
     ) -> Result<Run, BakeError> {
+        // before anything is written: a folder with a manifest counts as a run
+        let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
+        config.extract.validate(&bounds)?;
         let manifest = manifest(scene, config)?;
         if RunManifest::path(folder).exists() {
             if !resume {
@@ -144,13 +150,35 @@ impl Run {
             return differ("seed", found.seed.to_string(), asked.seed.to_string());
         }
         if found.config != asked.config {
-            return differ(
-                "configuration",
-                found.config.to_string(),
-                asked.config.to_string(),
-            );
+            let (found, asked) = differences(&found.config, &asked.config);
+            return differ("configuration", found, asked);
         }
         Ok(())
+    }
+}
+
+/// The settings that differ, `extract.rows 2000, extract.paths 4`, on both sides.
+fn differences(found: &Value, asked: &Value) -> (String, String) {
+    let (mut a, mut b) = (BTreeMap::new(), BTreeMap::new());
+    settings(found, String::new(), &mut a);
+    settings(asked, String::new(), &mut b);
+    let one_side = |of: &BTreeMap<String, String>, other: &BTreeMap<String, String>| {
+        let differing = of.iter().filter(|(name, x)| other.get(*name) != Some(x));
+        let named: Vec<String> = differing.map(|(name, x)| format!("{name} {x}")).collect();
+        named.join(", ")
+    };
+    (one_side(&a, &b), one_side(&b, &a))
+}
+
+/// Every setting by its dotted name; lists are one setting.
+fn settings(value: &Value, name: String, to: &mut BTreeMap<String, String>) {
+    let Value::Object(fields) = value else {
+        to.insert(name, value.to_string());
+        return;
+    };
+    for (field, value) in fields {
+        let dot = if name.is_empty() { "" } else { "." };
+        settings(value, format!("{name}{dot}{field}"), to);
     }
 }
 

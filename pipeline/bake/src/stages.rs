@@ -4,7 +4,7 @@ use crate::error::BakeError;
 use crate::run::Run;
 use crate::split::is_held_out;
 use rayon::prelude::*;
-use rrf_extract::{CellPlan, Plan, extract_cell};
+use rrf_extract::{CellPlan, Lookout, Plan, extract_cell};
 use rrf_field::columns::{self, Columns};
 use rrf_field::model::CellModel;
 use rrf_field::tree;
@@ -51,9 +51,17 @@ pub fn extract(
     let cells = chosen(plan, only)?;
     watch.begin("extract", cells.iter().map(|c| u64::from(c.rows)).sum());
     let domains = plan.tree.domains();
+    let lookout = Lookout::new(scene, tracer);
     // a few cells at a time: within one, rows are traced by all threads
     cells.par_iter().with_max_len(1).try_for_each(|&cell| {
-        extract_one(run, scene, tracer, domains[cell.cell as usize], cell)?;
+        extract_one(
+            run,
+            scene,
+            tracer,
+            &lookout,
+            domains[cell.cell as usize],
+            cell,
+        )?;
         watch.advance(u64::from(cell.rows));
         Ok::<(), BakeError>(())
     })?;
@@ -82,13 +90,14 @@ fn extract_one(
     run: &Run,
     scene: &Scene,
     tracer: &Tracer,
+    lookout: &Lookout,
     domain: tree::Domain,
     cell: CellPlan,
 ) -> Result<(), BakeError> {
     if list_parts(&run.folder, cell.cell)?.contains(&FIRST_PART) {
         return Ok(());
     }
-    let extracted = extract_cell(scene, tracer, domain, cell, &run.config.extract)?;
+    let extracted = extract_cell(scene, tracer, lookout, domain, cell, &run.config.extract)?;
     parts::write_part(&run.folder, FIRST_PART, &extracted.table, &run.facts())?;
     Ok(())
 }

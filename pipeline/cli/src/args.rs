@@ -202,6 +202,9 @@ pub struct TraceArgs {
     /// Points table: indirect radiance at its rows instead of a picture.
     #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "light", "part", "fov", "size"])]
     pub points: Option<PathBuf>,
+    /// How paths to the point light are made, with --points.
+    #[arg(long, value_enum, default_value_t = Estimator::NextEvent, requires = "points")]
+    pub estimator: Estimator,
     /// Seed of every random number.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -211,6 +214,16 @@ pub struct TraceArgs {
     /// Reading the scene.
     #[command(flatten)]
     pub scene_options: SceneOptions,
+}
+
+/// How paths to a point light are made; both are unbiased.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Estimator {
+    /// Next-event estimation alone: the textbook estimator, the same as other path tracers'.
+    NextEvent,
+    /// Connections to the light's first hits too: less noise, above all for lights near
+    /// surfaces. What extraction uses.
+    Connected,
 }
 
 /// `rrf query`.
@@ -264,7 +277,10 @@ pub struct DoctorArgs {}
 fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
     let given: Vec<&str> = text.split(',').collect();
     if given.len() != N {
-        return Err(format!("needs {N} numbers with commas between, has {}", given.len()));
+        return Err(format!(
+            "needs {N} numbers with commas between, has {}",
+            given.len()
+        ));
     }
     let mut out = [0.0; N];
     for (out, text) in out.iter_mut().zip(given) {
@@ -274,8 +290,15 @@ fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
 }
 
 fn number(text: &str) -> Result<f32, String> {
-    let x: f32 = text.trim().parse().map_err(|_| format!("{text:?} is no number"))?;
-    if x.is_finite() { Ok(x) } else { Err(format!("{text:?} is not finite")) }
+    let x: f32 = text
+        .trim()
+        .parse()
+        .map_err(|_| format!("{text:?} is no number"))?;
+    if x.is_finite() {
+        Ok(x)
+    } else {
+        Err(format!("{text:?} is not finite"))
+    }
 }
 
 fn parse_vec3(text: &str) -> Result<[f32; 3], String> {
@@ -303,7 +326,9 @@ fn parse_light(text: &str) -> Result<[f32; 6], String> {
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let parsed = text
+        .split_once('x')
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     match parsed {
         Some([w, h]) if (1..=16384).contains(&w) && (1..=16384).contains(&h) => Ok([w, h]),
         _ => Err("needs WIDTHxHEIGHT, each from 1 to 16384, for example 640x480".into()),
@@ -312,10 +337,18 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 
 fn positive(text: &str) -> Result<f32, String> {
     let x = number(text)?;
-    if x > 0.0 { Ok(x) } else { Err("has to be above 0".into()) }
+    if x > 0.0 {
+        Ok(x)
+    } else {
+        Err("has to be above 0".into())
+    }
 }
 
 fn unit_interval(text: &str) -> Result<f32, String> {
     let x = number(text)?;
-    if (0.0..=1.0).contains(&x) { Ok(x) } else { Err("has to be from 0 to 1".into()) }
+    if (0.0..=1.0).contains(&x) {
+        Ok(x)
+    } else {
+        Err("has to be from 0 to 1".into())
+    }
 }

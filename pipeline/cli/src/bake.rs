@@ -4,14 +4,14 @@ use crate::args::{BakeArgs, ExtractArgs, TrainArgs};
 use crate::progress::Bars;
 use crate::scene;
 use rrf_bake::{BakeConfig, Judgement, Preset, Run};
-use rrf_extract::{Census, LightBox};
+use rrf_extract::{Census, ExtractError, LightBox};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 
 /// The whole chain.
 pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
     let scene = scene::load(&args.scene, &args.scene_options)?;
-    let config = config(args, &scene);
+    let config = config(args, &scene)?;
     let watch = Bars::new(quiet);
     let report = rrf_bake::bake(&scene, &config, &args.output, args.resume, &watch)?;
     print_census(&report.census);
@@ -29,13 +29,18 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
 pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     let bake = &args.bake;
     let scene = scene::load(&bake.scene, &bake.scene_options)?;
+    let run = Run::create(&bake.output, &scene, &config(bake, &scene)?, bake.resume)?;
+    let scene = scene.unlit();
     let tracer = Tracer::new(&scene)?;
-    let run = Run::create(&bake.output, &scene, &config(bake, &scene), bake.resume)?;
     let plan = rrf_bake::plan(&run, &scene, &tracer)?;
     let only = (!args.cell.is_empty()).then_some(args.cell.as_slice());
     rrf_bake::extract(&run, &scene, &tracer, &plan, only, &Bars::new(quiet))?;
     print_census(&plan.census);
-    println!("{} cells planned: {}", plan.cells.len(), bake.output.display());
+    println!(
+        "{} cells planned: {}",
+        plan.cells.len(),
+        bake.output.display()
+    );
     Ok(())
 }
 
@@ -48,12 +53,13 @@ pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn config(args: &BakeArgs, scene: &Scene) -> BakeConfig {
+fn config(args: &BakeArgs, scene: &Scene) -> Result<BakeConfig, ExtractError> {
     let light_box = match args.light_box {
-        Some([x0, y0, z0, x1, y1, z1]) => {
-            LightBox { minimum: [x0, y0, z0], maximum: [x1, y1, z1] }
-        }
-        None => middle(scene),
+        Some([x0, y0, z0, x1, y1, z1]) => LightBox {
+            minimum: [x0, y0, z0],
+            maximum: [x1, y1, z1],
+        },
+        None => middle(scene)?,
     };
     let preset = match args.preset {
         crate::args::Preset::Preview => Preset::Preview,
@@ -68,22 +74,22 @@ fn config(args: &BakeArgs, scene: &Scene) -> BakeConfig {
     config.extract.rows = args.rows.unwrap_or(config.extract.rows);
     config.extract.paths = args.paths.unwrap_or(config.extract.paths);
     config.extract.cells = args.cells.unwrap_or(config.extract.cells);
-    config
+    Ok(config)
 }
 
 /// The middle 80 % of the scene's bounds on each axis.
-fn middle(scene: &Scene) -> LightBox {
-    let (low, high) = scene.bounds();
-    let margin = (high - low) * 0.1;
+fn middle(scene: &Scene) -> Result<LightBox, ExtractError> {
+    let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
+    let inner = |i: usize, share: f32| bounds.min[i] + share * (bounds.max[i] - bounds.min[i]);
     let light_box = LightBox {
-        minimum: (low + margin).to_array(),
-        maximum: (high - margin).to_array(),
+        minimum: std::array::from_fn(|i| inner(i, 0.1)),
+        maximum: std::array::from_fn(|i| inner(i, 0.9)),
     };
     eprintln!(
         "no --light-box: lights may stand in the middle 80 % of the scene, {:?} to {:?}",
         light_box.minimum, light_box.maximum
     );
-    light_box
+    Ok(light_box)
 }
 
 fn print_census(census: &Census) {
@@ -100,7 +106,11 @@ fn print_census(census: &Census) {
 
 fn print_judgement(judgement: &Judgement, target: f32) {
     let square = f64::from(target).powi(2);
-    let missing = judgement.cells.iter().filter(|c| c.square_error > square).count();
+    let missing = judgement
+        .cells
+        .iter()
+        .filter(|c| c.square_error > square)
+        .count();
     println!(
         "relative error on rows held out: {:.2} % ± {:.2} % (target {:.2} %); {} of {} cells miss it",
         100.0 * judgement.relative_error,
@@ -109,5 +119,7 @@ fn print_judgement(judgement: &Judgement, target: f32) {
         missing,
         judgement.cells.len()
     );
-    println!("  relative error: sqrt(mean((p-m)² / max(lum(m), ε)²)), ε = 5 % of the mean luminance, Monte Carlo noise taken out");
+    println!(
+        "  relative error: sqrt(mean((p-m)² / max(lum(m), ε)²)), ε = 5 % of the mean luminance, Monte Carlo noise taken out"
+    );
 }

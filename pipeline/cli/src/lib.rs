@@ -9,6 +9,7 @@ mod compare;
 mod doctor;
 mod failure;
 mod pictures;
+mod points;
 mod progress;
 mod query;
 mod render;
@@ -22,11 +23,12 @@ use std::process::ExitCode;
 
 /// Runs the command line and returns its exit code.
 pub fn main() -> ExitCode {
+    end_quietly_on_closed_pipe();
     let cli = Cli::parse();
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("rrf: {error:#}");
+            eprintln!("rrf: {}", failure::message(&error));
             ExitCode::from(failure::exit_code(&error))
         }
     }
@@ -34,17 +36,28 @@ pub fn main() -> ExitCode {
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
     if let Some(threads) = cli.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build_global()?;
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads as usize)
+            .build_global()?;
     }
     match &cli.command {
         Command::Bake(args) => bake::bake(args, cli.quiet),
         Command::Extract(args) => bake::extract(args, cli.quiet),
         Command::Train(args) => bake::train(args, cli.quiet),
         Command::Render(args) => render::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Trace(args) => trace::run(args, cli.quiet),
         Command::Query(args) => query::run(args),
-        Command::Compare(args) => compare::run(args),
         Command::Scene(args) => scene::run(args),
         Command::Doctor(_) => doctor::run(),
+    }
+}
+
+/// `rrf compare ... | head` is no failure: like other Unix programs, stop when the reader has.
+fn end_quietly_on_closed_pipe() {
+    #[cfg(unix)]
+    // SAFETY: sets a signal's disposition to the default before any thread or handler exists.
+    unsafe {
+        libc::signal(libc::SIGPIPE, libc::SIG_DFL);
     }
 }

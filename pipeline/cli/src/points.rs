@@ -47,7 +47,9 @@ pub fn rows(tracer: &Tracer, table: &PointsTable, located: &[SurfacePoint]) -> C
 
 /// Three columns of every row.
 pub fn vectors(table: &PointsTable, first: usize) -> Vec<Vec3> {
-    (0..table.len()).map(|row| vec3(table, first, row)).collect()
+    (0..table.len())
+        .map(|row| vec3(table, first, row))
+        .collect()
 }
 
 fn vec3(table: &PointsTable, first: usize, row: usize) -> Vec3 {
@@ -56,5 +58,8 @@ fn vec3(table: &PointsTable, first: usize, row: usize) -> Vec3 {
 
 /// What a written table says of its origin.
 pub fn facts(scene_hash: &str, seed: u64) -> [(&'static str, String); 2] {
-    [("rrf.scene_hash", scene_hash.to_string()), ("rrf.seed", seed.to_string())]
+    [
+        ("rrf.scene_hash", scene_hash.to_string()),
+        ("rrf.seed", seed.to_string()),
+    ]
 }

@@ -14,12 +14,18 @@ pub struct Bars {
 impl Bars {
     /// No bar yet.
     pub fn new(quiet: bool) -> Bars {
-        Bars { quiet, current: Mutex::new(ProgressBar::hidden()) }
+        Bars {
+            quiet,
+            current: Mutex::new(ProgressBar::hidden()),
+        }
     }
 
     fn with(&self, act: impl FnOnce(&mut ProgressBar)) {
         // a poisoned lock only means that another thread stopped while drawing
-        let mut current = self.current.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut current = self
+            .current
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner());
         act(&mut current);
     }
 }
@@ -45,5 +51,7 @@ pub fn bar(quiet: bool, length: u64, what: &'static str) -> ProgressBar {
     }
     let style = ProgressStyle::with_template("{msg:>9} {wide_bar} {percent:>3}% {eta:>4} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(length).with_style(style).with_message(what)
+    ProgressBar::new(length)
+        .with_style(style)
+        .with_message(what)
 }

@@ -4,12 +4,14 @@ use crate::args::QueryArgs;
 use crate::points;
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
 use rrf_bake::Run;
-use rrf_field::evaluate::Field;
+use rrf_extract::{Lookout, Outlook};
+use rrf_field::{Field, columns};
+use rrf_scene::Scene;
 use rrf_store::guard::Limits;
 use rrf_store::model;
-use rrf_store::points::{check_ending, read_points, write_points};
+use rrf_store::points::{PointsTable, check_ending, read_points, write_points};
 use rrf_store::schema::Table;
-use rrf_trace::Tracer;
+use rrf_trace::{SurfacePoint, Tracer};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -17,29 +19,55 @@ use std::sync::Arc;
 pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     check_ending(&args.output)?;
     let run = Run::open(&args.run)?;
-    let scene = run.load_scene()?;
+    let scene = run.load_scene()?.unlit();
     let tracer = Tracer::new(&scene)?;
     let model = model::read_model(&run.folder, &run.facts())?;
     let table = read_points(&args.points, Limits::default())?;
     let located = points::locate(&tracer, &table, &args.points)?;
     let rows = points::rows(&tracer, &table, &located);
-    let trusted = rrf_render::trusted(&model.tree, &rows);
+    let trusted = model.tree.trusted(&rows);
     let field = Field::new(model.tree.tree, model.cells)?;
-    let (mut radiance, mut cells) = (Vec::new(), Vec::new());
+    let mut radiance: [Vec<f32>; 3] = Default::default();
+    let mut cells = Vec::new();
     field.evaluate(&rows, &mut radiance, &mut cells)?;
-    let channel = |c: usize| -> ArrayRef {
-        Arc::new(Float32Array::from_iter_values(radiance.iter().map(|y| y[c])))
-    };
+    darken_sealed(&scene, &tracer, &located, &table, &mut radiance);
+    let [r, g, b] = radiance.map(|channel| Arc::new(Float32Array::from(channel)) as ArrayRef);
     let untrusted = trusted.iter().filter(|&&t| !t).count();
     let added: BTreeMap<&str, ArrayRef> = BTreeMap::from([
-        ("r", channel(0)),
-        ("g", channel(1)),
-        ("b", channel(2)),
+        ("r", r),
+        ("g", g),
+        ("b", b),
         ("cell_id", Arc::new(UInt32Array::from(cells)) as ArrayRef),
         ("trusted", Arc::new(BooleanArray::from(trusted)) as ArrayRef),
     ]);
     let facts = points::facts(&run.manifest.scene_hash, run.manifest.seed);
     write_points(&args.output, &table.batch, Table::Answers, added, &facts)?;
-    println!("{} rows, {untrusted} of them outside what the model was trained on", rows.len());
+    println!(
+        "{} rows, {untrusted} of them outside what the model was trained on",
+        rows.len()
+    );
     Ok(())
+}
+
+/// A point sealed inside a solid, or with an empty hemisphere, receives no light from outside:
+/// exactly zero, which no net was trained on.
+fn darken_sealed(
+    scene: &Scene,
+    tracer: &Tracer,
+    located: &[SurfacePoint],
+    table: &PointsTable,
+    radiance: &mut [Vec<f32>; 3],
+) {
+    let lookout = Lookout::new(scene, tracer);
+    let viewers = points::vectors(table, columns::V);
+    for (row, (point, &v)) in located.iter().zip(&viewers).enumerate() {
+        let side = if point.normal.dot(v) < 0.0 {
+            -point.normal
+        } else {
+            point.normal
+        };
+        if lookout.from_surface(point, side) != Outlook::Open {
+            radiance.iter_mut().for_each(|channel| channel[row] = 0.0);
+        }
+    }
 }

@@ -10,7 +10,7 @@ use rrf_scene::Scene;
 use rrf_store::guard::Limits;
 use rrf_store::points::{check_ending, read_points, write_points};
 use rrf_store::schema::Table;
-use rrf_trace::{Queries, Stream, Tracer, indirect};
+use rrf_trace::{Estimator, Queries, Sampling, Stream, Tracer, indirect_with};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -25,20 +25,30 @@ const BLOCK: usize = 64;
 /// A picture, or with `--points` a table.
 pub fn run(args: &TraceArgs, quiet: bool) -> anyhow::Result<()> {
     let scene = scene::load(&args.scene, &args.scene_options)?;
-    let tracer = Tracer::new(&scene)?;
     match &args.points {
-        Some(table) => trace_points(args, &scene, &tracer, table, quiet),
-        None => trace_frame(args, &scene, &tracer, quiet),
+        Some(table) => {
+            let unlit = scene.unlit();
+            trace_points(args, &scene, &Tracer::new(&unlit)?, table, quiet)
+        }
+        None => trace_frame(args, &scene, quiet),
     }
 }
 
-fn trace_frame(args: &TraceArgs, scene: &Scene, tracer: &Tracer, quiet: bool) -> anyhow::Result<()> {
+fn trace_frame(args: &TraceArgs, scene: &Scene, quiet: bool) -> anyhow::Result<()> {
     pictures::check_endings(&args.output)?;
     let frame_view = view::view(&args.view, scene)?;
     let lights = view::lights(&args.view, scene)?;
+    let unlit;
+    let lit = if lights.area {
+        scene
+    } else {
+        unlit = scene.unlit();
+        &unlit
+    };
+    let tracer = Tracer::new(lit)?;
     let bar = progress::bar(quiet, u64::from(frame_view.height), "trace");
     let frame = rrf_render::trace_frame(
-        tracer,
+        &tracer,
         &frame_view,
         &lights,
         args.spp,
@@ -47,7 +57,7 @@ fn trace_frame(args: &TraceArgs, scene: &Scene, tracer: &Tracer, quiet: bool) ->
         &|rows| bar.inc(rows),
     )?;
     bar.finish_and_clear();
-    pictures::write(&frame, &args.view, &args.output)
+    pictures::write(frame, &args.view, &args.output)
 }
 
 fn trace_points(
@@ -74,6 +84,14 @@ fn trace_points(
     let viewers = points::vectors(&table, columns::V);
     let lights = points::vectors(&table, columns::L);
     let stream = Stream::new(args.seed, STAGE_POINTS, 0);
+    let sampling = Sampling {
+        paths: args.spp,
+        replicates: REPLICATES,
+    };
+    let estimator = match args.estimator {
+        crate::args::Estimator::NextEvent => Estimator::NextEvent,
+        crate::args::Estimator::Connected => Estimator::Connected,
+    };
     let bar = progress::bar(quiet, table.len() as u64, "trace");
     let mut mean = Vec::with_capacity(table.len());
     let mut error = Vec::with_capacity(table.len());
@@ -84,7 +102,7 @@ fn trace_points(
             viewers: &viewers[first..end],
             lights: &lights[first..end],
         };
-        let estimates = indirect(tracer, queries, args.spp, REPLICATES, stream, first as u64)?;
+        let estimates = indirect_with(tracer, queries, sampling, estimator, stream, first as u64)?;
         for query in 0..estimates.len() {
             mean.push(estimates.mean(query));
             error.push(estimates.standard_error(query));
@@ -102,7 +120,12 @@ fn trace_points(
     ]);
     let facts = points::facts(&scene.hash_hex(), args.seed);
     write_points(output, &table.batch, Table::Truth, added, &facts)?;
-    println!("{} rows, {} paths each: {}", table.len(), args.spp, output.display());
+    println!(
+        "{} rows, {} paths each: {}",
+        table.len(),
+        args.spp,
+        output.display()
+    );
     Ok(())
 }
 

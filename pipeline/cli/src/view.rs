@@ -3,19 +3,22 @@
 use crate::args::ViewArgs;
 use crate::failure::BadInput;
 use glam::Vec3;
+use rrf_render::{Lights, View};
 use rrf_scene::{PointLight, Scene};
-use rrf_trace::{Lights, View};
 
 /// The view typed, over the scene's first camera.
 pub fn view(args: &ViewArgs, scene: &Scene) -> Result<View, BadInput> {
     let camera = scene.cameras.first();
     let mut view = match (args.eye, args.look_at, camera) {
-        (Some(eye), Some(target), _) => look_at(args, eye.into(), target.into(), camera.map(|c| c.fov))?,
+        (Some(eye), Some(target), _) => {
+            look_at(args, eye.into(), target.into(), camera.map(|c| c.fov))?
+        }
         (Some(_), None, _) => return Err(BadInput("--eye needs --look-at".into())),
         (None, _, Some(camera)) => View::from(camera),
         (None, _, None) => {
             return Err(BadInput(
-                "the scene has no camera: give --eye x,y,z --look-at x,y,z --fov DEG --size WxH".into(),
+                "the scene has no camera: give --eye x,y,z --look-at x,y,z --fov DEG --size WxH"
+                    .into(),
             ));
         }
     };
@@ -26,7 +29,10 @@ pub fn view(args: &ViewArgs, scene: &Scene) -> Result<View, BadInput> {
         (view.width, view.height) = (width, height);
     }
     if !(view.fov > 0.0 && view.fov < 180.0) {
-        return Err(BadInput(format!("--fov {}: has to lie between 0 and 180 degrees", view.fov)));
+        return Err(BadInput(format!(
+            "--fov {}: has to lie between 0 and 180 degrees",
+            view.fov
+        )));
     }
     Ok(view)
 }
@@ -34,26 +40,41 @@ pub fn view(args: &ViewArgs, scene: &Scene) -> Result<View, BadInput> {
 fn look_at(args: &ViewArgs, eye: Vec3, target: Vec3, fov: Option<f32>) -> Result<View, BadInput> {
     let up = Vec3::from(args.up.unwrap_or([0.0, 1.0, 0.0]));
     let forward = target - eye;
-    if forward.length() == 0.0 || forward.normalize().cross(up.normalize_or_zero()).length() < 1e-6 {
+    if forward.length() == 0.0 || forward.normalize().cross(up.normalize_or_zero()).length() < 1e-6
+    {
         return Err(BadInput(format!(
             "--eye {eye} --look-at {target} --up {up}: the view has no direction, or up lies along it"
         )));
     }
     let fov = args.fov.or(fov).unwrap_or(40.0);
-    Ok(View::look_at(eye, target, up, fov, args.size.unwrap_or([512, 512])))
+    Ok(View::look_at(
+        eye,
+        target,
+        up,
+        fov,
+        args.size.unwrap_or([512, 512]),
+    ))
 }
 
 /// The lights typed, or the scene's own.
 pub fn lights(args: &ViewArgs, scene: &Scene) -> Result<Lights, BadInput> {
     if args.light.is_empty() {
         if scene.point_lights.is_empty() && scene.area_lights.is_empty() {
-            return Err(BadInput("the scene has no light: give --light x,y,z[,r,g,b]".into()));
+            return Err(BadInput(
+                "the scene has no light: give --light x,y,z[,r,g,b]".into(),
+            ));
         }
-        return Ok(Lights { points: scene.point_lights.clone(), area: true });
+        return Ok(Lights {
+            points: scene.point_lights.clone(),
+            area: true,
+        });
     }
     let points = args.light.iter().map(|l| PointLight {
         position: Vec3::new(l[0], l[1], l[2]),
         intensity: Vec3::new(l[3], l[4], l[5]),
     });
-    Ok(Lights { points: points.collect(), area: false })
+    Ok(Lights {
+        points: points.collect(),
+        area: false,
+    })
 }

@@ -5,6 +5,7 @@
 //! viewer direction uniform over the hemisphere, the light uniform in the cell's part of the
 //! light box. What falls outside the cell is rejected, so the accepted rows are uniform in it.
 
+use crate::outlook::{Lookout, Outlook};
 use crate::sobol::Sobol;
 use crate::{Census, LightBox};
 use glam::Vec3;
@@ -12,7 +13,7 @@ use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::tree::Domain;
 use rrf_scene::{INVALID, MaterialKind, Scene};
-use rrf_trace::{Outlook, SurfacePoint, Tracer};
+use rrf_trace::{SurfacePoint, Tracer};
 
 /// Why a candidate was left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +45,7 @@ pub struct Row {
 pub struct Proposal<'a> {
     scene: &'a Scene,
     tracer: &'a Tracer<'a>,
+    lookout: &'a Lookout<'a>,
     triangles: Vec<u32>,
     /// Running sum of the triangles' areas.
     area: Vec<f64>,
@@ -57,6 +59,7 @@ impl<'a> Proposal<'a> {
     pub fn new(
         scene: &'a Scene,
         tracer: &'a Tracer<'a>,
+        lookout: &'a Lookout<'a>,
         domain: Domain,
         light_box: LightBox,
         seed: u64,
@@ -69,13 +72,14 @@ impl<'a> Proposal<'a> {
         let area: Vec<f64> = triangles
             .iter()
             .map(|&t| {
-                sum += f64::from(scene.triangle_area(t as usize));
+                sum += scene.triangle_area(t as usize);
                 sum
             })
             .collect();
         (sum > 0.0).then(|| Proposal {
             scene,
             tracer,
+            lookout,
             triangles,
             area,
             domain,
@@ -100,7 +104,7 @@ impl<'a> Proposal<'a> {
         };
         let light = self.light.at([u[6], u[7], u[8]]);
         let view = hemisphere(side, u[4], u[5]);
-        let normal = self.tracer.frame_at(&surface, view).z;
+        let normal = self.tracer.normal_at(&surface, view);
         let material = self.tracer.material_at(&surface);
         let mut raw = [0.0; columns::COUNT];
         raw[columns::P..columns::N].copy_from_slice(&surface.position.to_array());
@@ -117,10 +121,10 @@ impl<'a> Proposal<'a> {
         if material.kind == MaterialKind::Lambert && material.base_color == Vec3::ZERO {
             return Err(Rejection::Black);
         }
-        if self.tracer.inside_solid(light) {
+        if self.lookout.inside_solid(light) {
             return Err(Rejection::LightInSolid);
         }
-        match self.tracer.outlook(&surface, side) {
+        match self.lookout.from_surface(&surface, side) {
             Outlook::InsideSolid => return Err(Rejection::PointInSolid),
             Outlook::Nothing => return Err(Rejection::SeesNothing),
             Outlook::Open => {}

@@ -5,6 +5,7 @@ use crate::first_tree::Weights;
 use glam::Vec3;
 use rrf_field::columns;
 use rrf_field::tree::Domain;
+use rrf_scene::Bounds;
 use serde::{Deserialize, Serialize};
 
 /// An axis-aligned box of light positions, world frame.
@@ -14,6 +15,14 @@ pub struct LightBox {
     pub minimum: [f32; 3],
     /// Corner of the largest coordinates.
     pub maximum: [f32; 3],
+}
+
+/// As it is typed: `x0,y0,z0,x1,y1,z1`.
+impl std::fmt::Display for LightBox {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ([x0, y0, z0], [x1, y1, z1]) = (self.minimum, self.maximum);
+        write!(f, "{x0},{y0},{z0},{x1},{y1},{z1}")
+    }
 }
 
 impl LightBox {
@@ -110,13 +119,16 @@ impl Census {
 #[derive(Debug, thiserror::Error)]
 pub enum ExtractError {
     /// The light box has no extent or does not meet the scene.
-    #[error("light box {light_box:?}: {message}")]
+    #[error("light box {light_box}: {message}")]
     LightBox {
         /// The box.
         light_box: LightBox,
         /// What is wrong and what would be right.
         message: String,
     },
+    /// The scene has no surface.
+    #[error("the scene has no triangles: there is no surface to light")]
+    NoTriangle,
     /// No surface point is fit to learn from.
     #[error(
         "no usable row among {drawn} candidates ({census:?}): check the light box and that the surfaces face the room"
@@ -144,7 +156,7 @@ pub enum ExtractError {
 
 impl ExtractConfig {
     /// Checks the settings against each other and the scene's bounds.
-    pub fn validate(&self, bounds: (Vec3, Vec3)) -> Result<(), ExtractError> {
+    pub fn validate(&self, bounds: &Bounds) -> Result<(), ExtractError> {
         let bad = |message: String| {
             Err(ExtractError::LightBox {
                 light_box: self.light_box,
@@ -158,10 +170,10 @@ impl ExtractConfig {
         if (0..3).any(|i| low[i] > high[i]) {
             return bad("the first corner has to be the smaller one on every axis".into());
         }
-        if (0..3).any(|i| high[i] < bounds.0[i] || low[i] > bounds.1[i]) {
+        if (0..3).any(|i| high[i] < bounds.min[i] || low[i] > bounds.max[i]) {
             return bad(format!(
-                "lies outside the scene, whose bounds are {} to {}: a light there is no light of the scene",
-                bounds.0, bounds.1
+                "lies outside the scene, whose bounds are {:?} to {:?}: a light there is no light of the scene",
+                bounds.min, bounds.max
             ));
         }
         if self.paths < 2 || !self.paths.is_multiple_of(2) {

@@ -127,8 +127,8 @@ fn best_split(
         return None;
     }
     let mut best: Option<Split> = None;
-    for axis in 0..AXES {
-        let column = &rows.columns[COLUMN[axis]];
+    for (axis, &at) in COLUMN.iter().enumerate() {
+        let column = &rows.columns[at];
         let mut order = of.to_vec();
         order.sort_by(|&a, &b| {
             column[a as usize]

@@ -11,12 +11,15 @@
 mod candidates;
 mod config;
 mod first_tree;
+mod outlook;
 mod planning;
 mod sobol;
+mod solids;
 mod stage;
 
 pub use candidates::{Accepted, Proposal, Rejection, Row, accept};
 pub use config::{Census, ExtractConfig, ExtractError, LightBox};
 pub use first_tree::Weights;
+pub use outlook::{Lookout, Outlook};
 pub use planning::{CellPlan, Plan, plan};
 pub use stage::{ExtractedCell, extract_cell};

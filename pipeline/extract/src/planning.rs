@@ -3,6 +3,7 @@
 use crate::candidates::{Proposal, accept};
 use crate::config::{Census, ExtractConfig, ExtractError};
 use crate::first_tree::grow;
+use crate::outlook::Lookout;
 use rrf_field::tree::{Domain, Tree};
 use rrf_scene::{MaterialKind, Scene};
 use rrf_trace::Tracer;
@@ -60,20 +61,21 @@ const PATIENCE: usize = 16;
 
 /// Draws candidates over the whole scene and grows the first tree.
 pub fn plan(scene: &Scene, tracer: &Tracer, config: &ExtractConfig) -> Result<Plan, ExtractError> {
-    let bounds = scene.bounds();
-    config.validate(bounds)?;
+    let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
+    config.validate(&bounds)?;
     let seed = cell_seed(config.seed, WHOLE_SCENE);
     let nothing = |census: Census| ExtractError::NoRow {
         drawn: u64::from(config.candidates) * PATIENCE as u64,
         census,
     };
-    let proposal = Proposal::new(scene, tracer, Domain::ALL, config.light_box, seed)
+    let lookout = Lookout::new(scene, tracer);
+    let proposal = Proposal::new(scene, tracer, &lookout, Domain::ALL, config.light_box, seed)
         .ok_or_else(|| nothing(Census::default()))?;
     let drawn = accept(&proposal, config.candidates as usize, PATIENCE);
     if drawn.rows.is_empty() {
         return Err(nothing(drawn.census));
     }
-    let diagonal = (bounds.1 - bounds.0).length();
+    let diagonal = bounds.diagonal();
     let fewest = (drawn.rows.len() / (config.cells as usize * 16)).max(8);
     let tree = grow(&drawn.rows, diagonal, config.weights, config.cells, fewest);
     let mut counts = vec![0u64; tree.cells()];

@@ -2,6 +2,7 @@
 
 use crate::candidates::{Accepted, Proposal, accept};
 use crate::config::{Census, ExtractConfig, ExtractError};
+use crate::outlook::Lookout;
 use crate::planning::{CellPlan, cell_seed};
 use glam::Vec3;
 use rrf_field::columns;
@@ -30,12 +31,13 @@ pub struct ExtractedCell {
 pub fn extract_cell(
     scene: &Scene,
     tracer: &Tracer,
+    lookout: &Lookout,
     domain: Domain,
     plan: CellPlan,
     config: &ExtractConfig,
 ) -> Result<ExtractedCell, ExtractError> {
     let seed = cell_seed(config.seed, u64::from(plan.cell) + FIRST_CELL_STREAM);
-    let accepted = Proposal::new(scene, tracer, domain, config.light_box, seed)
+    let accepted = Proposal::new(scene, tracer, lookout, domain, config.light_box, seed)
         .map(|proposal| accept(&proposal, plan.rows as usize, PATIENCE))
         .unwrap_or_default();
     let halves = trace_halves(tracer, &accepted, plan.cell, config)?;

@@ -128,7 +128,7 @@ fn evaluate(criterion: &mut Criterion) {
                 b.iter(|| {
                     for rows in &tiles {
                         field
-                            .evaluate_lights(black_box(rows), &lights, &mut out)
+                            .evaluate_lights(black_box(rows), &lights, &mut out, &mut cells)
                             .expect("valid rows");
                     }
                 });

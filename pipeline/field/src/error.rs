@@ -4,12 +4,10 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FieldError {
     /// The tree's columns do not form a binary tree.
-    #[error("kd-tree node {node}: {reason}; the run's tree table is damaged, bake again")]
+    #[error("kd-tree: {reason}; the run's tree table is damaged, bake again")]
     Tree {
-        /// The node.
-        node: usize,
         /// What is wrong with it.
-        reason: &'static str,
+        reason: String,
     },
     /// The leaves and the models do not match one to one.
     #[error(

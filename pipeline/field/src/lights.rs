@@ -25,11 +25,13 @@ pub struct Light {
 struct Visit {
     node: u32,
     rows: std::ops::Range<usize>,
-    lights: Vec<Light>,
+    /// Places in the list of lights, ascending.
+    lights: Vec<usize>,
 }
 
 impl Field {
-    /// Indirect radiance [W·sr⁻¹·m⁻²] of each row under all the lights, channel by channel.
+    /// Indirect radiance [W·sr⁻¹·m⁻²] of each row under all the lights, channel by channel, and
+    /// each row's cell under the first light (`u32::MAX` without any).
     /// The rows' own light columns are not read (but must be as long as the others).
     /// A row's bits depend on the row and the list of lights only.
     pub fn evaluate_lights(
@@ -37,15 +39,18 @@ impl Field {
         rows: &Columns,
         lights: &[Light],
         out: &mut [Vec<f32>; 3],
+        cells: &mut Vec<u32>,
     ) -> Result<(), FieldError> {
         self.prepare(rows, out)?;
+        cells.clear();
+        cells.resize(rows.len(), u32::MAX);
         let mut ids: Vec<u32> = (0..rows.len() as u32).collect();
         let mut right = Vec::new();
         let mut scratch = Scratch::new(self.width);
         let mut stack = vec![Visit {
             node: 0,
             rows: 0..ids.len(),
-            lights: lights.to_vec(),
+            lights: (0..lights.len()).collect(),
         }];
         while let Some(visit) = stack.pop() {
             if visit.rows.is_empty() || visit.lights.is_empty() {
@@ -54,12 +59,17 @@ impl Field {
             if let Some(cell) = self.walk.leaf(visit.node) {
                 let packed = &self.packed[cell as usize];
                 let ids = &ids[visit.rows];
-                evaluate_cell_lights(packed, rows, ids, &visit.lights, &mut scratch, out);
+                let reaching: Vec<Light> = visit.lights.iter().map(|&k| lights[k]).collect();
+                evaluate_cell_lights(packed, rows, ids, &reaching, &mut scratch, out);
+                if visit.lights[0] == 0 {
+                    ids.iter().for_each(|&id| cells[id as usize] = cell);
+                }
                 continue;
             }
             let (axis, threshold, left) = self.walk.split(visit.node);
             stack.extend(if (columns::L..columns::L + 3).contains(&axis) {
-                part_lights(visit, axis - columns::L, threshold, left)
+                let above = |k: usize| lights[k].position[axis - columns::L] >= threshold;
+                part_lights(visit, left, above)
             } else {
                 let column = &rows.columns[axis];
                 part_rows(visit, column, threshold, left, &mut ids, &mut right)
@@ -69,11 +79,8 @@ impl Field {
     }
 }
 
-fn part_lights(visit: Visit, axis: usize, threshold: f32, left: u32) -> [Visit; 2] {
-    let (above, below) = visit
-        .lights
-        .into_iter()
-        .partition(|light| light.position[axis] >= threshold);
+fn part_lights(visit: Visit, left: u32, above: impl Fn(usize) -> bool) -> [Visit; 2] {
+    let (above, below) = visit.lights.into_iter().partition(|&k| above(k));
     [(left, below), (left + 1, above)].map(|(node, lights)| Visit {
         node,
         rows: visit.rows.clone(),

@@ -22,36 +22,28 @@ pub struct Walk {
 }
 
 impl Walk {
-    /// Checks that the tree's columns form one binary tree whose leaves are the cells
-    /// 0..count, each once.
+    /// Checks the tree and lays it out.
     pub fn new(tree: &Tree) -> Result<Walk, FieldError> {
-        let count = tree.axis.len();
-        let lengths = [tree.threshold.len(), tree.left.len(), tree.cell.len()];
-        if count == 0 || lengths.iter().any(|&n| n != count) {
-            return Err(bad(0, "columns are empty or differ in length"));
-        }
-        let cells = tree.cells();
-        let mut seen = vec![false; cells];
-        let mut depth = vec![u32::MAX; count];
-        depth[0] = 0;
-        let mut nodes = Vec::with_capacity(count);
-        for id in 0..count {
-            if depth[id] == u32::MAX {
-                return Err(bad(id, "no node before it is its parent"));
-            }
-            nodes.push(if tree.axis[id] == LEAF {
-                let cell = tree.cell[id] as usize;
-                match seen.get_mut(cell) {
-                    Some(seen) if !*seen => *seen = true,
-                    _ => return Err(bad(id, "its cell id is repeated or out of range")),
-                }
+        tree.check().map_err(|reason| FieldError::Tree { reason })?;
+        let mut depth = vec![0u32; tree.axis.len()];
+        let mut nodes = Vec::with_capacity(tree.axis.len());
+        for id in 0..tree.axis.len() {
+            let (axis, left) = (tree.axis[id], tree.left[id]);
+            nodes.push(if axis == LEAF {
                 Node {
                     axis: 0,
                     threshold: f32::NAN,
                     left: id as u32,
                 }
             } else {
-                split_node(tree, id, &mut depth)?
+                // Children come after their parent, in pairs.
+                let below = depth[id] + 1;
+                depth[left as usize..left as usize + 2].fill(below);
+                Node {
+                    axis: axis as u32,
+                    threshold: tree.threshold[id],
+                    left,
+                }
             });
         }
         Ok(Walk {
@@ -87,34 +79,4 @@ impl Walk {
         let n = self.nodes[id as usize];
         (n.axis as usize, n.threshold, n.left)
     }
-}
-
-/// An inner node; its children must come after it and have no other parent.
-fn split_node(tree: &Tree, id: usize, depth: &mut [u32]) -> Result<Node, FieldError> {
-    let axis = usize::try_from(tree.axis[id]).unwrap_or(usize::MAX);
-    if axis >= columns::COUNT {
-        return Err(bad(id, "it splits a column that does not exist"));
-    }
-    if tree.threshold[id].is_nan() {
-        return Err(bad(id, "its threshold is not a number"));
-    }
-    let left = tree.left[id] as usize;
-    if left <= id || left + 1 >= depth.len() {
-        return Err(bad(id, "its children are out of range"));
-    }
-    for child in [left, left + 1] {
-        if depth[child] != u32::MAX {
-            return Err(bad(child, "it has two parents"));
-        }
-        depth[child] = depth[id] + 1;
-    }
-    Ok(Node {
-        axis: axis as u32,
-        threshold: tree.threshold[id],
-        left: left as u32,
-    })
-}
-
-fn bad(node: usize, reason: &'static str) -> FieldError {
-    FieldError::Tree { node, reason }
 }

@@ -1,5 +1,7 @@
 //! The batched field against the scalar net in f64.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{Numbers, model, rows, tree};
@@ -171,7 +173,10 @@ fn many_lights_are_the_sum_of_single_ones() {
         })
         .collect();
     let mut all = <[Vec<f32>; 3]>::default();
-    field.evaluate_lights(&rows, &lights, &mut all).unwrap();
+    let mut first_cells = Vec::new();
+    field
+        .evaluate_lights(&rows, &lights, &mut all, &mut first_cells)
+        .unwrap();
 
     let mut sum = vec![[0.0f64; 3]; rows.len()];
     let mut size = vec![[0.0f64; 3]; rows.len()];
@@ -186,8 +191,15 @@ fn many_lights_are_the_sum_of_single_ones() {
             ..*light
         };
         let mut alone = <[Vec<f32>; 3]>::default();
-        field.evaluate_lights(&rows, &[unit], &mut alone).unwrap();
+        let mut alone_cells = Vec::new();
+        field
+            .evaluate_lights(&rows, &[unit], &mut alone, &mut alone_cells)
+            .unwrap();
         assert_eq!(alone, one, "one light of 1 W/sr, bit for bit");
+        assert_eq!(alone_cells, cells);
+        if light == &lights[0] {
+            assert_eq!(first_cells, cells);
+        }
         for r in 0..rows.len() {
             for c in 0..3 {
                 let y = f64::from(light.intensity[c]) * f64::from(one[c][r]);

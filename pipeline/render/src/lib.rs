@@ -1,1 +1,35 @@
-//! Placeholder while the workspace is set up.
+//! Frames from a baked field, and how far they are from the truth.
+//!
+//! A pixel's journey: [`View::direction`] gives its camera rays; what they meet becomes rows of
+//! raw columns, tile by tile; direct light is exact, by shadow rays; the indirect light is what
+//! the nets of a [`rrf_field::Field`] say, cell by cell. [`render()`] puts the parts into a
+//! [`Frame`], [`trace_frame`] does the same view by path tracing, [`exr`] and [`png`] write them,
+//! [`compare()`] tells them apart.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod color;
+pub mod compare;
+mod convolve;
+mod direct;
+mod error;
+pub mod exr;
+mod facts;
+pub mod flip;
+mod frame;
+mod notice;
+pub mod png;
+mod render;
+mod tile;
+pub mod tone;
+mod trace_frame;
+mod view;
+
+pub use compare::compare;
+pub use error::RenderError;
+pub use frame::{Frame, Picture, luminance};
+pub use notice::{Notice, notices};
+pub use render::{Negative, Part, RenderOptions, Trusted, render};
+pub use tile::raw;
+pub use trace_frame::trace_frame;
+pub use view::{Lens, Lights, View};

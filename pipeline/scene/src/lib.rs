@@ -2,6 +2,20 @@
 //!
 //! [`load`] reads pbrt text (versions 3 and 4), glTF 2.0 and OBJ into one [`Scene`];
 //! every later stage reads these columns and nothing else.
+//!
+//! A file's journey: `load` chooses the reader by the file's ending; the reader fills the
+//! columns and notes in [`Scene::warnings`] what it approximates or leaves out; `validate`
+//! checks what every scene must fulfil, and `mend` removes what no stage can use. From then
+//! on ids are in range, numbers finite, and triangles have an area. [`Scene::hash`] names the
+//! scene for a run's manifest, [`Scene::summary`] shows what was understood.
+//!
+//! ```
+//! let path = std::path::Path::new("../../scenes/cornell-box/scene.pbrt");
+//! let scene = rrf_scene::load(path, &rrf_scene::LoadOptions::default())?;
+//! assert_eq!(scene.triangles.len(), 36);
+//! println!("{}", scene.summary());
+//! # Ok::<(), rrf_scene::SceneError>(())
+//! ```
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
@@ -9,14 +23,30 @@ mod error;
 mod file;
 mod gltf;
 mod load;
+mod measure;
+mod mend;
+mod obj;
 mod options;
+mod pbrt;
+mod relight;
 mod scene;
+mod show;
+mod summary;
 mod texture;
+mod validate;
 mod warn;
+
+#[cfg(test)]
+mod tests;
 
 pub use error::SceneError;
 pub use load::load;
+pub use measure::Bounds;
 pub use options::{LightUnits, LoadOptions};
 pub use scene::{
     AreaLight, Camera, INVALID, Material, MaterialKind, PointLight, Scene, Texture, Warning,
+};
+pub use summary::{
+    AreaLightSummary, CameraSummary, MaterialSummary, ObjectSummary, PointLightSummary, Summary,
+    TextureSummary,
 };

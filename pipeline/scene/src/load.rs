@@ -1,22 +1,25 @@
 //! One entry for every scene format.
 
-use crate::{LoadOptions, Scene, SceneError};
+use crate::validate::validate;
+use crate::{LoadOptions, Scene, SceneError, gltf, obj, pbrt};
 use std::path::Path;
 
 /// Reads a scene file; the ending chooses the format: `.pbrt`, `.gltf`, `.glb`, `.obj`.
 ///
 /// What is approximated or left out is in [`Scene::warnings`]; what cannot be understood
-/// is an error with its place.
+/// is an error with its place. The scene returned is sound: columns of equal length, ids in
+/// range, finite numbers, at least one triangle, none without area.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let ending = path
         .extension()
         .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    match ending.as_deref() {
-        // "pbrt" => pbrt::read(path, options)?,
-        // "obj" => obj::read(path, options)?,
-        Some("gltf" | "glb") => crate::gltf::read(path, options),
+    let scene = match ending.as_deref() {
+        Some("pbrt") => pbrt::read(path, options),
+        Some("gltf" | "glb") => gltf::read(path, options),
+        Some("obj") => obj::read(path, options),
         _ => Err(SceneError::UnknownFormat {
             path: path.to_path_buf(),
         }),
-    }
+    }?;
+    validate(scene)
 }

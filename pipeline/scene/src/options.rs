@@ -3,7 +3,8 @@
 /// Choices that a scene file leaves open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// Reflectance of a surface for which the file gives no material, in [0, 1].
+    /// Reflectance of a surface for which the file gives no material, in [0, 1]. pbrt has a
+    /// default of its own, 0.5.
     pub default_albedo: f32,
     /// What the numbers of glTF's point lights mean.
     pub light_units: LightUnits,
@@ -21,7 +22,8 @@ impl Default for LoadOptions {
 /// Units of the intensities in a glTF file, named as in Blender's exporter.
 ///
 /// A Blender point light of 100 W is written as 5435 (`Spec`), 7.96 (`Compat`) or 100 (`Raw`).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum LightUnits {
     /// As KHR_lights_punctual says: candela, with 683 lm/W.
     #[default]

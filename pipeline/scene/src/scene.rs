@@ -35,7 +35,25 @@ pub struct Material {
     /// Texture of roughness (G) and metallic (B), or [`INVALID`].
     pub roughness_metallic_texture: u32,
     /// Tangent-space normal map, stored as unit vectors scaled into [0, 1], or [`INVALID`].
+    /// x points along dp/du, y along dp/dv (v upwards), z along the shading normal.
     pub normal_texture: u32,
+}
+
+impl Material {
+    /// Ideal diffuse reflection, without textures.
+    pub fn lambert(name: impl Into<String>, base_color: Vec3) -> Self {
+        Self {
+            name: name.into(),
+            kind: MaterialKind::Lambert,
+            base_color,
+            roughness: 1.0,
+            metallic: 0.0,
+            specular: 0.0,
+            base_texture: INVALID,
+            roughness_metallic_texture: INVALID,
+            normal_texture: INVALID,
+        }
+    }
 }
 
 /// A decoded picture, row-major from the top, three linear f32 channels a texel.

@@ -8,6 +8,8 @@ use crate::guard::{Guard, Limits};
 use arrow::ipc::{Block, root_as_footer, root_as_message};
 
 const MAGIC: &[u8] = b"ARROW1";
+/// zstd codes 128 KiB of one value in 4 bytes.
+const LARGEST_RATIO: u64 = 1 << 15;
 
 /// Checks footer, blocks and compressed lengths of a whole file.
 pub(crate) fn check(guard: &Guard, bytes: &[u8], limits: Limits) -> Result<(), StoreError> {
@@ -89,8 +91,11 @@ fn decoded_bytes(
         } else {
             length
         };
-        let length = u64::try_from(length)
-            .map_err(|_| guard.corrupt(format!("a buffer of {length} bytes")))?;
+        // No codec of the format gets more out of a byte.
+        let most = buffer.length().unsigned_abs().saturating_mul(LARGEST_RATIO);
+        let length = u64::try_from(length).ok().filter(|&length| length <= most);
+        let length =
+            length.ok_or_else(|| guard.corrupt("a buffer decodes to an impossible length"))?;
         decoded = decoded.saturating_add(length);
     }
     Ok(decoded)

@@ -1,10 +1,11 @@
 //! Arrow IPC files: made in memory, written whole; read without trusting them.
 
-use crate::atomic::{atomic_write, io_error};
+use crate::arrow_check;
+use crate::atomic::atomic_write;
 use crate::error::StoreError;
 use crate::guard::{Guard, Limits};
 use arrow::array::RecordBatch;
-use arrow::datatypes::SchemaRef;
+use arrow::compute::concat_batches;
 use arrow::error::ArrowError;
 use arrow::ipc::reader::FileReader;
 use arrow::ipc::writer::FileWriter;
@@ -31,23 +32,23 @@ pub(crate) fn write(
     atomic_write(path, &bytes)
 }
 
-/// All batches of a file, and its schema.
+/// All rows of a file as one batch.
 pub(crate) fn read(
     path: &Path,
     limits: Limits,
     remedy: &'static str,
-) -> Result<(SchemaRef, Vec<RecordBatch>), StoreError> {
+) -> Result<RecordBatch, StoreError> {
     let guard = Guard {
         path,
         format: "Arrow IPC",
         remedy,
     };
-    let bytes = std::fs::read(path).map_err(|e| io_error(path, "read", e))?;
-    crate::arrow_check::check(&guard, &bytes, limits)?;
+    let bytes = guard.read(limits)?;
+    arrow_check::check(&guard, &bytes, limits)?;
     guard.run(|| {
         let reader = FileReader::try_new(Cursor::new(bytes), None)?;
         let schema = reader.schema();
         let batches = reader.collect::<Result<Vec<_>, _>>()?;
-        Ok::<_, ArrowError>((schema, batches))
+        concat_batches(&schema, &batches)
     })
 }

@@ -77,9 +77,10 @@ impl Source<'_> {
     }
 
     pub(crate) fn no_null(&self, array: &dyn Array, name: &str) -> Result<(), StoreError> {
-        match (0..array.len()).find(|&row| array.null_count() > 0 && array.is_null(row)) {
-            None => Ok(()),
-            Some(row) => Err(self.null(name, row)),
+        if array.null_count() == 0 {
+            return Ok(());
         }
+        let row = (0..array.len()).find(|&row| array.is_null(row));
+        Err(self.null(name, row.unwrap_or_default()))
     }
 }

@@ -1,56 +1,100 @@
 //! A hash of the values themselves. Parquet's own page checksums are optional and seldom written,
-//! and a flipped bit in compressed floats decodes to other floats without any complaint.
+//! Arrow files have none, and a flipped bit in floats decodes to other floats without complaint.
 
 use crate::error::StoreError;
-use arrow::array::{Array, AsArray, RecordBatch};
-use arrow::buffer::Buffer;
-use arrow::datatypes::{DataType, Float32Type, Schema, UInt32Type, UInt64Type};
+use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
+use arrow::buffer::ScalarBuffer;
+use arrow::datatypes::{ArrowNativeType, DataType, Schema};
+use arrow::datatypes::{Float32Type, Float64Type, Int8Type, UInt32Type, UInt64Type};
 
-/// blake3 over one blake3 a column, in schema order, each over the column's name, a zero byte
-/// and its values in little-endian order. Batches may be cut anywhere.
+/// blake3 over one blake3 a column, in the batch's order. A column's goes over its name, a zero
+/// byte and its values: numbers in little-endian order, truth values as a byte, texts and lists
+/// each as their length (u64) and what is in them; in a nullable column a byte before each value,
+/// 1, or 0 and no value. Batches may be cut anywhere.
 pub(crate) struct ContentHash {
-    columns: Vec<blake3::Hasher>,
+    columns: Vec<(blake3::Hasher, bool)>,
 }
 
 impl ContentHash {
     pub(crate) fn new(schema: &Schema) -> ContentHash {
-        let columns = schema
-            .fields()
-            .iter()
-            .map(|field| {
-                let mut hasher = blake3::Hasher::new();
-                hasher.update(field.name().as_bytes()).update(&[0]);
-                hasher
-            })
-            .collect();
-        ContentHash { columns }
+        let columns = schema.fields().iter().map(|field| {
+            let mut hasher = blake3::Hasher::new();
+            hasher.update(field.name().as_bytes()).update(&[0]);
+            (hasher, field.is_nullable())
+        });
+        ContentHash {
+            columns: columns.collect(),
+        }
+    }
+
+    /// The hash of one batch.
+    pub(crate) fn of(batch: &RecordBatch) -> Result<String, StoreError> {
+        let mut hash = ContentHash::new(batch.schema_ref());
+        hash.update(batch)?;
+        Ok(hash.finish())
     }
 
     pub(crate) fn update(&mut self, batch: &RecordBatch) -> Result<(), StoreError> {
-        for (hasher, array) in self.columns.iter_mut().zip(batch.columns()) {
-            hasher.update(bytes(array.as_ref())?.as_slice());
+        for ((hasher, nullable), array) in self.columns.iter_mut().zip(batch.columns()) {
+            if !*nullable {
+                feed(hasher, array)?;
+                continue;
+            }
+            for row in 0..array.len() {
+                hasher.update(&[u8::from(!array.is_null(row))]);
+                if !array.is_null(row) {
+                    feed(hasher, &array.slice(row, 1))?;
+                }
+            }
         }
         Ok(())
     }
 
     pub(crate) fn finish(self) -> String {
         let mut whole = blake3::Hasher::new();
-        for hasher in self.columns {
+        for (hasher, _) in self.columns {
             whole.update(hasher.finalize().as_bytes());
         }
         whole.finalize().to_hex().to_string()
     }
 }
 
-fn bytes(array: &dyn Array) -> Result<Buffer, StoreError> {
-    // Arrow's buffers are in machine order; the machines supported are little-endian.
+/// Values without nulls.
+fn feed(hasher: &mut blake3::Hasher, array: &ArrayRef) -> Result<(), StoreError> {
     match array.data_type() {
-        DataType::Float32 => Ok(array.as_primitive::<Float32Type>().values().inner().clone()),
-        DataType::UInt32 => Ok(array.as_primitive::<UInt32Type>().values().inner().clone()),
-        DataType::UInt64 => Ok(array.as_primitive::<UInt64Type>().values().inner().clone()),
-        other => Err(StoreError::BuiltIn {
-            table: "samples",
-            reason: format!("no content hash for {other}"),
-        }),
+        DataType::Int8 => numbers(hasher, array.as_primitive::<Int8Type>().values()),
+        DataType::UInt32 => numbers(hasher, array.as_primitive::<UInt32Type>().values()),
+        DataType::UInt64 => numbers(hasher, array.as_primitive::<UInt64Type>().values()),
+        DataType::Float32 => numbers(hasher, array.as_primitive::<Float32Type>().values()),
+        DataType::Float64 => numbers(hasher, array.as_primitive::<Float64Type>().values()),
+        DataType::Boolean => {
+            for value in array.as_boolean().values() {
+                hasher.update(&[u8::from(value)]);
+            }
+        }
+        DataType::Utf8 => {
+            for text in array.as_string::<i32>().iter().flatten() {
+                hasher.update(&(text.len() as u64).to_le_bytes());
+                hasher.update(text.as_bytes());
+            }
+        }
+        DataType::List(_) => {
+            for list in array.as_list::<i32>().iter().flatten() {
+                hasher.update(&(list.len() as u64).to_le_bytes());
+                feed(hasher, &list)?;
+            }
+        }
+        other => {
+            return Err(StoreError::BuiltIn {
+                table: "any",
+                reason: format!("a column of {other} has no content hash"),
+            });
+        }
     }
+    Ok(())
+}
+
+/// Arrow's buffers are in machine order; the machines supported are little-endian.
+fn numbers<T: ArrowNativeType>(hasher: &mut blake3::Hasher, values: &ScalarBuffer<T>) {
+    hasher.update(values.inner().as_slice());
 }

@@ -28,6 +28,16 @@ pub enum StoreError {
         /// What to do.
         remedy: &'static str,
     },
+    /// A genuine file that uses what this program does not read.
+    #[error("{path}: {what}. {remedy}", path = path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// What it uses.
+        what: String,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// The columns are not those of the table's schema.
     #[error("{path}: not a `{table}` table: {difference}. {remedy}", path = path.display())]
     Schema {
@@ -159,6 +169,7 @@ impl StoreError {
                     | ErrorKind::ReadOnlyFilesystem
                     | ErrorKind::NotADirectory
                     | ErrorKind::IsADirectory
+                    | ErrorKind::AlreadyExists
                     | ErrorKind::InvalidInput
                     | ErrorKind::InvalidFilename
             ),

@@ -1,7 +1,10 @@
 //! Around decoders of other crates: limits on what a file may ask for, and their errors and
 //! panics as one typed error. Decoders meet hostile bytes in fuzzing and damaged ones in life.
 
+use crate::atomic::io_error;
 use crate::error::StoreError;
+use std::fs::File;
+use std::io::Read;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -41,6 +44,14 @@ impl Guard<'_> {
         }
     }
 
+    pub(crate) fn unsupported(&self, what: String, remedy: &'static str) -> StoreError {
+        StoreError::Unsupported {
+            path: self.path.into(),
+            what,
+            remedy,
+        }
+    }
+
     pub(crate) fn too_large(&self, what: &'static str, found: u64, limit: u64) -> StoreError {
         StoreError::TooLarge {
             path: self.path.into(),
@@ -48,6 +59,24 @@ impl Guard<'_> {
             found,
             limit,
         }
+    }
+
+    /// The whole file, which must not be larger than what may be decoded from it.
+    pub(crate) fn read(&self, limits: Limits) -> Result<Vec<u8>, StoreError> {
+        let fail = |e| io_error(self.path, "read", e);
+        let file = File::open(self.path).map_err(fail)?;
+        let size = file.metadata().map_err(fail)?.len();
+        let mut bytes = Vec::new();
+        // A file can grow, and a device has no size.
+        if size <= limits.decoded_bytes {
+            let mut rest = file.take(limits.decoded_bytes.saturating_add(1));
+            rest.read_to_end(&mut bytes).map_err(fail)?;
+        }
+        let size = size.max(bytes.len() as u64);
+        if size > limits.decoded_bytes {
+            return Err(self.too_large("its size in bytes", size, limits.decoded_bytes));
+        }
+        Ok(bytes)
     }
 
     /// Runs a decoder.

@@ -15,14 +15,14 @@ pub use tree::{Domain, ModelTree};
 use crate::arrow_file;
 use crate::atomic::create_folder;
 use crate::columns::Source;
+use crate::content::ContentHash;
 use crate::error::StoreError;
 use crate::guard::Limits;
 use crate::layout::model_folder;
 use crate::manifest::RunFacts;
-use crate::parts::{KEY_SCENE, KEY_SEED};
+use crate::parts::{KEY_CONTENT, KEY_SCENE, KEY_SEED};
 use crate::schema::{self, Table};
 use arrow::array::RecordBatch;
-use arrow::compute::concat_batches;
 use rrf_field::model::CellModel;
 use std::path::{Path, PathBuf};
 
@@ -147,17 +147,24 @@ fn source(path: &Path, table: Table) -> Source<'_> {
     }
 }
 
-fn write(run: &Path, table: Table, batch: RecordBatch, facts: &RunFacts) -> Result<(), StoreError> {
+fn write(
+    run: &Path,
+    table: Table,
+    mut batch: RecordBatch,
+    facts: &RunFacts,
+) -> Result<(), StoreError> {
     create_folder(&model_folder(run))?;
-    let mut batch = batch;
+    let content = ContentHash::of(&batch)?;
     let metadata = batch.schema_metadata_mut();
     metadata.insert(KEY_SCENE.to_string(), facts.scene_hash.clone());
     metadata.insert(KEY_SEED.to_string(), facts.seed.to_string());
+    metadata.insert(KEY_CONTENT.to_string(), content);
     arrow_file::write(&path(run, table), table.name(), &batch)
 }
 
 fn read(path: &Path, table: Table, facts: &RunFacts) -> Result<RecordBatch, StoreError> {
-    let (schema, batches) = arrow_file::read(path, Limits::default(), REMEDY)?;
+    let batch = arrow_file::read(path, Limits::default(), REMEDY)?;
+    let schema = batch.schema();
     schema::table(table)?.check(path, &schema, REMEDY)?;
     let fact = |key: &str| schema.metadata().get(key).cloned().unwrap_or_default();
     let found = RunFacts {
@@ -166,10 +173,14 @@ fn read(path: &Path, table: Table, facts: &RunFacts) -> Result<RecordBatch, Stor
         seed: fact(KEY_SEED).parse().unwrap_or(!facts.seed),
     };
     found.expect(path, facts)?;
-    concat_batches(&schema, &batches).map_err(|e| StoreError::Corrupt {
+    let (expected, found) = (fact(KEY_CONTENT), ContentHash::of(&batch)?);
+    if expected == found {
+        return Ok(batch);
+    }
+    Err(StoreError::Corrupt {
         path: path.into(),
         format: "Arrow IPC",
-        reason: e.to_string(),
+        reason: format!("its values hash to {found}, written was {expected}"),
         remedy: REMEDY,
     })
 }

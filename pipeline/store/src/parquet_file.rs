@@ -1,12 +1,14 @@
 //! Parquet files of unknown origin, read without trusting them.
 
-use crate::atomic::io_error;
 use crate::error::StoreError;
 use crate::guard::{Guard, Limits};
-use arrow::array::RecordBatch;
+use crate::parquet_check::{check_footer, check_pages};
+use arrow::array::{Array, RecordBatch};
+use arrow::compute::concat_batches;
 use arrow::datatypes::SchemaRef;
+use bytes::Bytes;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
-use std::fs::File;
+use parquet::errors::ParquetError;
 use std::path::{Path, PathBuf};
 
 /// Names the format, not the build: the bytes must not differ between builds.
@@ -18,6 +20,9 @@ pub(crate) struct Batches {
     remedy: &'static str,
     schema: SchemaRef,
     rows: usize,
+    /// Bytes that may still be decoded.
+    left: u64,
+    limit: u64,
     reader: Option<ParquetRecordBatchReader>,
 }
 
@@ -33,49 +38,84 @@ impl Batches {
     pub(crate) fn stop(&mut self) {
         self.reader = None;
     }
+
+    fn read(&mut self) -> Result<Option<RecordBatch>, StoreError> {
+        let Some(reader) = self.reader.as_mut() else {
+            return Ok(None);
+        };
+        let guard = guard(&self.path, self.remedy);
+        let Some(batch) = guard.run(|| reader.next().transpose())? else {
+            return Ok(None);
+        };
+        let size = batch
+            .columns()
+            .iter()
+            .map(|a| a.to_data().get_slice_memory_size());
+        let size = size
+            .sum::<Result<usize, _>>()
+            .map_err(|e| guard.corrupt(e))?;
+        match self.left.checked_sub(size as u64) {
+            Some(left) => self.left = left,
+            None => {
+                let found = self.limit.saturating_add(size as u64 - self.left);
+                let what = "the size of its decoded values in bytes, so far,";
+                return Err(guard.too_large(what, found, self.limit));
+            }
+        }
+        Ok(Some(batch))
+    }
 }
 
 impl Iterator for Batches {
     type Item = Result<RecordBatch, StoreError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let reader = self.reader.as_mut()?;
-        let next = guard(&self.path, self.remedy).run(|| reader.next().transpose());
-        match next {
-            Ok(None) => {
-                self.reader = None;
-                None
-            }
-            Ok(Some(batch)) => Some(Ok(batch)),
-            Err(error) => {
-                self.reader = None;
-                Some(Err(error))
-            }
+        let next = self.read().transpose();
+        if !matches!(next, Some(Ok(_))) {
+            self.reader = None;
         }
+        next
     }
 }
 
-/// Opens a file.
+/// Opens a file. Its bytes are read at once, so that what was checked is what is decoded.
 pub(crate) fn open(
     path: &Path,
     limits: Limits,
     remedy: &'static str,
 ) -> Result<Batches, StoreError> {
-    let file = File::open(path).map_err(|e| io_error(path, "read", e))?;
-    let (schema, rows, reader) = guard(path, remedy).run(|| {
-        let builder = ParquetRecordBatchReaderBuilder::try_new(file)?;
-        let schema = builder.schema().clone();
-        let rows = builder.metadata().file_metadata().num_rows();
-        let reader = builder.with_batch_size(limits.batch_rows).build()?;
-        Ok::<_, parquet::errors::ParquetError>((schema, rows, reader))
+    let guard = guard(path, remedy);
+    let bytes = guard.read(limits)?;
+    check_footer(&guard, &bytes)?;
+    let bytes = Bytes::from(bytes);
+    let builder = guard.run(|| ParquetRecordBatchReaderBuilder::try_new(bytes.clone()))?;
+    let checked = check_pages(&guard, &bytes, builder.metadata(), limits)?;
+    let schema = builder.schema().clone();
+    let reader = guard.run(|| {
+        let reader = builder.with_batch_size(checked.batch_rows).build()?;
+        Ok::<_, ParquetError>(reader)
     })?;
     Ok(Batches {
         path: path.into(),
         remedy,
         schema,
-        rows: usize::try_from(rows).unwrap_or(0),
+        rows: checked.rows,
+        left: limits.decoded_bytes,
+        limit: limits.decoded_bytes,
         reader: Some(reader),
     })
+}
+
+/// All rows of a file as one batch.
+pub(crate) fn read(
+    path: &Path,
+    limits: Limits,
+    remedy: &'static str,
+) -> Result<RecordBatch, StoreError> {
+    let batches = open(path, limits, remedy)?;
+    let schema = batches.schema();
+    let batches = batches.collect::<Result<Vec<_>, _>>()?;
+    guard(path, remedy).run(|| concat_batches(&schema, &batches))
 }
 
 fn guard<'a>(path: &'a Path, remedy: &'static str) -> Guard<'a> {

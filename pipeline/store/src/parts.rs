@@ -89,8 +89,6 @@ pub fn encode_part(
     facts: &RunFacts,
 ) -> Result<Vec<u8>, StoreError> {
     let batch = table.to_batch()?;
-    let mut hash = ContentHash::new(&batch.schema());
-    hash.update(&batch)?;
     let schema = schema::table(Table::Samples)?;
     let metadata = [
         (KEY_SCHEMA, schema.table.name().to_string()),
@@ -99,7 +97,7 @@ pub fn encode_part(
         (KEY_SEED, facts.seed.to_string()),
         (KEY_CELL, table.cell_id.to_string()),
         (KEY_PART, part.to_string()),
-        (KEY_CONTENT, hash.finish()),
+        (KEY_CONTENT, ContentHash::of(&batch)?),
     ]
     .map(|(key, value)| KeyValue::new(key.to_string(), value));
     encode(&batch, metadata.to_vec()).map_err(|e| StoreError::Columns {

@@ -3,12 +3,12 @@
 use crate::atomic::atomic_write;
 use crate::columns::Source;
 use crate::error::StoreError;
+use crate::expanded::expanded_bytes;
 use crate::guard::Limits;
 use crate::points_check::geometry;
 use crate::schema::{self, Table};
 use crate::{arrow_file, parquet_file};
 use arrow::array::{ArrayRef, RecordBatch};
-use arrow::compute::concat_batches;
 use arrow::datatypes::{FieldRef, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
@@ -20,8 +20,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-pub(crate) const REMEDY: &str =
-    "A points table has float32 columns px py pz nx ny nz vx vy vz lx ly lz";
+const REMEDY: &str = "A points table has float32 columns px py pz nx ny nz vx vy vz lx ly lz";
+const REMAKE: &str = "Make the table anew";
 
 /// Queries as a file holds them.
 #[derive(Clone, Debug)]
@@ -62,30 +62,30 @@ enum Format {
 /// normal must be on the side that is seen); [`StoreError::Schema`], [`StoreError::Io`],
 /// [`StoreError::Corrupt`], [`StoreError::TooLarge`], [`StoreError::UnknownFormat`].
 pub fn read_points(path: &Path, limits: Limits) -> Result<PointsTable, StoreError> {
-    let (schema, batches) = match format(path)? {
-        Format::Arrow => arrow_file::read(path, limits, REMEDY)?,
-        Format::Parquet => {
-            let batches = parquet_file::open(path, limits, REMEDY)?;
-            (batches.schema(), batches.collect::<Result<Vec<_>, _>>()?)
-        }
+    let batch = match format(path)? {
+        Format::Arrow => arrow_file::read(path, limits, REMAKE)?,
+        Format::Parquet => parquet_file::read(path, limits, REMAKE)?,
     };
+    let expanded = expanded_bytes(&batch);
+    if expanded > limits.decoded_bytes {
+        return Err(StoreError::TooLarge {
+            path: path.into(),
+            what: "the size of its values written out in bytes",
+            found: expanded,
+            limit: limits.decoded_bytes,
+        });
+    }
     let source = Source {
         path,
         table: Table::Points.name(),
         remedy: REMEDY,
     };
-    for (i, field) in schema.fields().iter().enumerate() {
-        let same = |f: &FieldRef| f.name() == field.name();
-        if schema.fields().iter().take(i).any(same) {
+    let fields = batch.schema_ref().fields();
+    for (i, field) in fields.iter().enumerate() {
+        if fields.iter().take(i).any(|f| f.name() == field.name()) {
             return Err(source.schema_error(format!("column {} is there twice", field.name())));
         }
     }
-    let batch = concat_batches(&schema, &batches).map_err(|e| StoreError::Corrupt {
-        path: path.into(),
-        format: "table",
-        reason: e.to_string(),
-        remedy: REMEDY,
-    })?;
     let (geometry, rescaled_rows) = geometry(&batch, &source)?;
     Ok(PointsTable {
         batch,

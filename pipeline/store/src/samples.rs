@@ -44,20 +44,26 @@ impl SampleTable {
         self.index.is_empty()
     }
 
-    /// The estimate from all paths of one row: the mean of its halves.
+    /// The estimate from all paths of one row: the mean of its halves. `row` must be below
+    /// [`SampleTable::len`].
     pub fn mean(&self, row: usize) -> [f32; 3] {
         std::array::from_fn(|c| 0.5 * (self.halves[0][row][c] + self.halves[1][row][c]))
     }
 
     /// How many rows hold a value that is not finite.
     pub fn not_finite_rows(&self) -> usize {
-        (0..self.len())
-            .filter(|&row| {
-                let raw = self.columns.row(row);
-                let halves = self.halves.iter().flat_map(|half| half[row]);
-                !raw.into_iter().chain(halves).all(f32::is_finite)
-            })
-            .count()
+        let mut bad = vec![false; self.len()];
+        for column in &self.columns.columns {
+            for (bad, x) in bad.iter_mut().zip(column) {
+                *bad |= !x.is_finite();
+            }
+        }
+        for half in &self.halves {
+            for (bad, y) in bad.iter_mut().zip(half) {
+                *bad |= !y.iter().all(|y| y.is_finite());
+            }
+        }
+        bad.into_iter().filter(|&bad| bad).count()
     }
 
     /// The rows as a batch of the `samples` schema.

@@ -2,20 +2,35 @@
 //!
 //! [`Tracer`] makes a scene ready for rays; [`Tracer::sample_area`] and [`Tracer::locate`] name
 //! points on its surface; [`indirect`] estimates what those points send to a viewer when a
-//! point light shines, direct light left out. Random numbers are a function of
-//! indices ([`Stream`]), so that any part of any result can be made again alone.
+//! point light shines, direct light left out; [`lamp_light`] what they send when the scene's own
+//! lamps shine.
+//! Paths travel in waves over columns (`wave`); their rays walk an eight-wide hierarchy
+//! (`wide`); surfaces scatter by [`bsdf`]. Random numbers are a function of indices
+//! ([`Stream`]), so that any part of any result can be made again alone, on any number of
+//! threads.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod bsdf;
 mod error;
+mod estimates;
 mod indirect;
+mod lamp_light;
+mod lamps;
+mod math;
+mod rays;
 pub mod rng;
+pub mod sobol;
 mod surface;
 mod tracer;
+mod wave;
+mod wide;
 
 pub use error::TraceError;
-pub use indirect::{Estimates, Queries, indirect};
+pub use estimates::{Estimates, Sampling};
+pub use indirect::{Estimator, Queries, indirect, indirect_with};
+pub use lamp_light::{Reflections, lamp_light};
+pub use rays::{Hits, Rays};
 pub use rng::Stream;
 pub use surface::{Frame, SurfacePoint};
-pub use tracer::{Hit, Tracer};
+pub use tracer::Tracer;

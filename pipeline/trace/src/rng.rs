@@ -49,6 +49,20 @@ impl Stream {
         }
     }
 
+    /// A stream of its own for one of several parts that share indices.
+    pub fn part(&self, part: u32) -> Stream {
+        let words = philox4x32([part, 0, 0, 1], self.key);
+        Stream {
+            key: [words[0], words[1]],
+        }
+    }
+
+    /// The Philox key.
+    #[inline(always)]
+    pub(crate) fn key(&self) -> [u32; 2] {
+        self.key
+    }
+
     /// Four independent words for a sample `index`, one of its paths, and one block of
     /// that path's dimensions.
     #[inline(always)]

@@ -1,13 +1,16 @@
 //! A scene made ready for rays: checked once, then only indexed.
 
 use crate::TraceError;
+use crate::lamps::Lamps;
+use crate::rays::{self, Hits, Rays};
+use crate::surface::doubled_area;
+use crate::wide::Wide;
 use glam::{Vec3, Vec3A};
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
-use obvhs::ray::{Ray, RayHit};
 use obvhs::triangle::Triangle;
 use obvhs::{BvhBuildParams, bvh2};
-use rrf_scene::{INVALID, Scene};
+use rrf_scene::{INVALID, MaterialKind, Scene};
 use std::time::Duration;
 
 /// Rounding units by which a ray's origin is lifted off its triangle, times the largest
@@ -15,90 +18,75 @@ use std::time::Duration;
 /// plane, and the side test n.(v0 - o) of the intersection errs by about 10.
 const LIFT: f32 = 32.0 * (0.5 * f32::EPSILON);
 
-/// A scene's triangles in the order of a bounding volume hierarchy, with what a hit needs.
+/// A scene with a hierarchy over its triangles and what hits and samples need at hand.
 ///
-/// Slots are positions in BVH order; ids are the scene's own. Triangles without an area are
-/// left out: they can neither be hit nor sampled.
+/// Triangles without an area are left out: they can neither be hit nor sampled.
 pub struct Tracer<'s> {
     pub(crate) scene: &'s Scene,
+    /// The binary tree, for searches by place; its primitives index `kept`.
     pub(crate) bvh: Bvh2,
-    /// Corners in slot order.
-    pub(crate) corners: Vec<Triangle>,
-    /// Scene id of each slot.
-    pub(crate) ids: Vec<u32>,
+    /// Scene ids of the triangles in the hierarchy.
+    pub(crate) kept: Vec<u32>,
+    /// The same tree, eight wide, for rays.
+    pub(crate) wide: Wide,
+    /// Whether any material is not Lambert.
+    pub(crate) mixed: bool,
+    /// Triangles whose shading normal is the geometric one everywhere.
+    pub(crate) flat: Vec<bool>,
     /// Unit geometric normal of each scene triangle (zero where it has no area).
     pub(crate) normals: Vec<Vec3A>,
     /// Lift of ray origins off each scene triangle, in metres.
     pub(crate) lifts: Vec<f32>,
     /// Cumulative area of the scene's triangles, metres squared.
     pub(crate) area_cdf: Vec<f64>,
-}
-
-/// The closest triangle along a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// Scene id of the triangle, or [`INVALID`] when nothing was hit.
-    pub triangle: u32,
-    /// Weights of the triangle's second and third corner.
-    pub barycentrics: [f32; 2],
-    /// Distance in units of the ray's direction; infinite when nothing was hit.
-    pub t: f32,
-}
-
-impl Hit {
-    /// Nothing along the ray.
-    pub const MISS: Hit = Hit {
-        triangle: INVALID,
-        barycentrics: [0.0; 2],
-        t: f32::INFINITY,
-    };
-
-    /// Whether something was hit.
-    pub fn is_hit(&self) -> bool {
-        self.triangle != INVALID
-    }
+    /// The triangles that emit.
+    pub(crate) lamps: Lamps,
 }
 
 impl<'s> Tracer<'s> {
     /// Checks every id and coordinate of the scene and builds the hierarchy.
     pub fn new(scene: &'s Scene) -> Result<Tracer<'s>, TraceError> {
         check(scene)?;
-        let mut normals = Vec::with_capacity(scene.triangles.len());
-        let mut lifts = Vec::with_capacity(scene.triangles.len());
-        let mut area_cdf = Vec::with_capacity(scene.triangles.len());
+        let count = scene.triangles.len();
+        let mut normals = Vec::with_capacity(count);
+        let mut lifts = Vec::with_capacity(count);
+        let mut area_cdf = Vec::with_capacity(count);
         let (mut kept, mut corners, mut total) = (Vec::new(), Vec::new(), 0.0f64);
         for (id, triangle) in scene.triangles.iter().enumerate() {
-            let [p0, p1, p2] = triangle.map(|v| scene.positions[v as usize]);
-            let cross = (p1 - p0).as_dvec3().cross((p2 - p0).as_dvec3());
+            let points = triangle.map(|v| scene.positions[v as usize]);
+            let [p0, p1, p2] = points;
+            let cross = doubled_area(points);
             let area = 0.5 * cross.length();
             let largest = p0.abs().max(p1.abs()).max(p2.abs()).max_element();
             total += area;
             area_cdf.push(total);
-            normals.push(cross.normalize_or_zero().as_vec3().into());
+            normals.push(Vec3A::from(cross.normalize_or_zero().as_vec3()));
             lifts.push(LIFT * largest.max(f32::MIN_POSITIVE));
             if area > 0.0 {
                 kept.push(id as u32);
-                corners.push(Triangle {
-                    v0: p0.into(),
-                    v1: p1.into(),
-                    v2: p2.into(),
-                });
+                corners.push(points);
             }
         }
-        if corners.is_empty() {
+        if kept.is_empty() {
             return Err(TraceError::NoTriangles);
         }
+        let flat = (0..count)
+            .map(|t| is_flat(scene, t, normals[t].into()))
+            .collect();
         let bvh = build(&corners);
-        let slots = &bvh.primitive_indices;
-        let ids = slots.iter().map(|&i| kept[i as usize]).collect();
-        let corners = slots.iter().map(|&i| corners[i as usize]).collect();
         Ok(Tracer {
             scene,
+            wide: Wide::new(&bvh, &corners, &kept),
             bvh,
-            corners,
-            ids,
+            kept,
+            mixed: scene
+                .materials
+                .iter()
+                .any(|m| m.kind != MaterialKind::Lambert),
+            flat,
             normals,
             lifts,
+            lamps: Lamps::new(scene, &area_cdf),
             area_cdf,
         })
     }
@@ -108,32 +96,14 @@ impl<'s> Tracer<'s> {
         self.scene
     }
 
-    /// The closest triangle with `0 <= t < t_max` along `origin + t direction`.
-    #[inline]
-    pub fn closest(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Hit {
-        let ray = Ray::new(origin.into(), direction.into(), 0.0, t_max);
-        let mut found = RayHit::none();
-        self.bvh.ray_traverse(ray, &mut found, |ray, slot| {
-            self.corners[slot].intersect(ray)
-        });
-        let slot = found.primitive_id as usize;
-        let Some(corners) = self.corners.get(slot) else {
-            return Hit::MISS;
-        };
-        Hit {
-            triangle: self.ids[slot],
-            barycentrics: barycentrics(corners, &ray),
-            t: found.t,
-        }
+    /// The closest triangle of every ray, into `hits`.
+    pub fn closest(&self, rays: &Rays, hits: &mut Hits) {
+        rays::closest(&self.wide, rays, &mut self.wide.stack(), hits);
     }
 
-    /// Whether any triangle lies at `0 <= t < t_max` along `origin + t direction`.
-    #[inline]
-    pub fn occluded(&self, origin: Vec3, direction: Vec3, t_max: f32) -> bool {
-        let ray = Ray::new(origin.into(), direction.into(), 0.0, t_max);
-        !self
-            .bvh
-            .ray_traverse_miss(ray, |ray, slot| self.corners[slot].intersect(ray))
+    /// Whether anything lies along each ray, into `blocked`.
+    pub fn occluded(&self, rays: &Rays, blocked: &mut Vec<bool>) {
+        rays::occluded(&self.wide, rays, &mut self.wide.stack(), blocked);
     }
 
     /// A ray's origin just off a triangle, on the side that `direction` leaves to.
@@ -149,26 +119,37 @@ impl<'s> Tracer<'s> {
     }
 }
 
-/// Weights of the second and third corner where the ray meets the triangle's plane
-/// (Moeller and Trumbore 1997), kept inside the triangle against rounding.
-#[inline(always)]
-fn barycentrics(triangle: &Triangle, ray: &Ray) -> [f32; 2] {
-    let (e1, e2) = (triangle.v1 - triangle.v0, triangle.v2 - triangle.v0);
-    let to = ray.origin - triangle.v0;
-    let p = ray.direction.cross(e2);
-    let inverse = 1.0 / e1.dot(p);
-    let b1 = (to.dot(p) * inverse).clamp(0.0, 1.0);
-    let b2 = ray.direction.dot(to.cross(e1)) * inverse;
-    [b1, b2.clamp(0.0, 1.0 - b1)]
-}
-
-fn build(corners: &[Triangle]) -> Bvh2 {
+fn build(corners: &[[Vec3; 3]]) -> Bvh2 {
+    let triangles: Vec<Triangle> = corners
+        .iter()
+        .map(|&[v0, v1, v2]| Triangle {
+            v0: v0.into(),
+            v1: v1.into(),
+            v2: v2.into(),
+        })
+        .collect();
     let parameters = BvhBuildParams {
-        // A split triangle would stand in several slots.
+        // A split triangle would stand in several leaves.
         pre_split: false,
+        // The collapse to eight children chooses the leaves.
+        max_prims_per_leaf: 1,
         ..BvhBuildParams::slow_build()
     };
-    build_bvh2_from_tris(corners, parameters, &mut Duration::default())
+    build_bvh2_from_tris(&triangles, parameters, &mut Duration::default())
+}
+
+/// Whether the corners of a triangle have no normals or, to rounding, its own, and nothing
+/// bends them.
+fn is_flat(scene: &Scene, triangle: usize, normal: Vec3) -> bool {
+    let none = scene.triangles[triangle]
+        .iter()
+        .all(|&v| scene.normals[v as usize] == Vec3::ZERO);
+    let own = scene.triangles[triangle].iter().all(|&v| {
+        let n = scene.normals[v as usize].normalize_or_zero();
+        n.cross(normal).length() < 1e-6 && n != Vec3::ZERO
+    });
+    let material = &scene.materials[scene.triangle_material[triangle] as usize];
+    material.normal_texture == INVALID && (none || own)
 }
 
 fn check(scene: &Scene) -> Result<(), TraceError> {

@@ -71,6 +71,24 @@ pub enum Stop {
     NotFinite,
 }
 
+impl Stop {
+    /// As the metrics table writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stop::NoRows => "no rows",
+            Stop::Constant => "constant",
+            Stop::Gradient => "gradient",
+            Stop::Step => "step",
+            Stop::Cost => "cost",
+            Stop::Validation => "validation",
+            Stop::Target => "target",
+            Stop::Iterations => "iterations",
+            Stop::Damping => "damping",
+            Stop::NotFinite => "not finite",
+        }
+    }
+}
+
 /// How to step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LmConfig {

@@ -63,7 +63,7 @@ fn axes(world: &DAffine3) -> Option<[DVec3; 3]> {
     (side != 0.0).then(|| [right * side.signum(), up, forward])
 }
 
-/// Full angle of the shorter side [degrees], width and height [pixels], or a message.
+/// Full angle of the shorter side in degrees, width and height in pixels, or a message.
 fn lens(perspective: &Perspective) -> Result<(f64, u32, u32), String> {
     let yfov = f64::from(perspective.yfov);
     let aspect = f64::from(perspective.aspect_ratio.unwrap_or(1.0));

@@ -75,7 +75,8 @@ pub(super) fn parse<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Root, Chunk<'a>
     let root = Root::from_slice(&json).map_err(|error| SceneError::Syntax {
         path: path.to_path_buf(),
         line: error.line() as u32,
-        column: error.column() as u32,
+        // 0 at the end of an empty text.
+        column: (error.column() as u32).max(1),
         message: format!("glTF's JSON: {error}"),
     })?;
     check_version(path, &root)?;
@@ -212,7 +213,7 @@ mod tests {
 
     #[test]
     fn broken_containers_and_json_say_where() {
-        assert!(refused(b"").contains("x.glb:1:0"), "{}", refused(b""));
+        assert!(refused(b"").contains("x.glb:1:1"), "{}", refused(b""));
         assert!(refused(b"{\n 1}").contains("x.glb:2:"));
         assert!(refused(b"glTF").contains("GLB container"));
         assert!(refused(b"glTF\x02\0\0\0\x05\0\0\0").contains("GLB container"));

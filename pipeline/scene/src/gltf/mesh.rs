@@ -1,23 +1,18 @@
 //! Primitives to columns of vertices and triangles.
 
 use super::Output;
-use super::accessor::Column;
 use super::document::{Document, place};
-use super::material::{MaterialUse, Materials, stays_in_picture};
+use super::material::{MaterialUse, Materials};
 use super::nodes::Placed;
-use super::uv::UvSource;
+use super::primitive::Source;
+use super::uv::{UvSource, stays_in_picture};
 use crate::warn::Warnings;
 use crate::{AreaLight, INVALID, Scene, SceneError};
-use ::gltf::json::accessor::{Accessor, Type};
-use ::gltf::json::mesh::{Mode, Primitive, Semantic};
-use ::gltf::json::validation::Checked;
-use ::gltf::json::{Index, Mesh};
+use ::gltf::json::Mesh;
+use ::gltf::json::accessor::Type;
+use ::gltf::json::mesh::Semantic;
 use glam::{DMat3, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
-
-/// Most triangles of a scene. Instances multiply what a small file holds, so the sum is
-/// checked before memory is asked for.
-const MAX_TRIANGLES: usize = 1 << 27;
 
 /// Adds the triangles of a node's mesh.
 pub(super) fn add(
@@ -41,6 +36,9 @@ pub(super) fn add(
         let Some(source) = Source::new(document, placed, primitive, place, warnings)? else {
             continue;
         };
+        if source.has(Semantic::Colors(0)) {
+            warnings.add(&source.place, "vertex colours left out");
+        }
         let material = materials.of_primitive(primitive.material, warnings)?;
         let object = object_name(document, placed, mesh, p);
         source.append(&material, object, output)?;
@@ -65,106 +63,7 @@ fn object_name(document: &Document, placed: &Placed, mesh: &Mesh, primitive: usi
     }
 }
 
-/// A primitive of triangles at a node, with its checked accessors.
-struct Source<'a> {
-    document: &'a Document<'a>,
-    placed: &'a Placed<'a>,
-    primitive: &'a Primitive,
-    place: String,
-    mode: Mode,
-    indices: Option<Column<'a>>,
-    positions: Column<'a>,
-    normals: Option<Column<'a>>,
-}
-
-impl<'a> Source<'a> {
-    /// `None`, and a warning, for points and lines.
-    fn new(
-        document: &'a Document<'a>,
-        placed: &'a Placed<'a>,
-        primitive: &'a Primitive,
-        place: String,
-        warnings: &mut Warnings,
-    ) -> Result<Option<Self>, SceneError> {
-        let Checked::Valid(mode) = primitive.mode else {
-            return Err(document.error(place, "unknown primitive mode"));
-        };
-        if !matches!(
-            mode,
-            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
-        ) {
-            warnings.add(place, format!("{mode:?} left out: they have no surface"));
-            return Ok(None);
-        }
-        if has(primitive, Semantic::Colors(0)) {
-            warnings.add(&place, "vertex colours left out");
-        }
-        let position = attribute(primitive, Semantic::Positions)
-            .ok_or_else(|| document.error(&place, "no POSITION"))?;
-        let positions = document.number_column(position, "POSITION", Type::Vec3, &place)?;
-        let normals = vertex_column(document, primitive, Semantic::Normals, &positions, &place)?;
-        let indices = primitive
-            .indices
-            .map(|index| document.index_column(index, &place))
-            .transpose()?;
-        Ok(Some(Self {
-            document,
-            placed,
-            primitive,
-            place,
-            mode,
-            indices,
-            positions,
-            normals,
-        }))
-    }
-
-    fn error(&self, message: impl Into<String>) -> SceneError {
-        self.document.error(&self.place, message)
-    }
-
-    /// Vertex ids of the triangles, each below the number of positions; the scene has
-    /// `before` triangles already.
-    fn corners(&self, before: usize) -> Result<Vec<[u32; 3]>, SceneError> {
-        let count = self.indices.as_ref().unwrap_or(&self.positions).count();
-        let triangles = match self.mode {
-            Mode::Triangles => count / 3,
-            _ => count.saturating_sub(2),
-        };
-        if triangles > MAX_TRIANGLES - before.min(MAX_TRIANGLES) {
-            let message = format!("the scene would have more than {MAX_TRIANGLES} triangles");
-            return Err(self.error(message));
-        }
-        if self.mode == Mode::Triangles && !count.is_multiple_of(3) {
-            let message = format!("{count} corners: triangles need a multiple of 3");
-            return Err(self.error(message));
-        }
-        (0..triangles)
-            .map(|t| {
-                let [a, b, c] = corner_numbers(self.mode, t);
-                Ok([self.vertex(a)?, self.vertex(b)?, self.vertex(c)?])
-            })
-            .collect()
-    }
-
-    /// The vertex id of corner `corner`.
-    fn vertex(&self, corner: usize) -> Result<u32, SceneError> {
-        let count = self.positions.count();
-        let vertex = match &self.indices {
-            Some(indices) => indices.index(corner),
-            None => u32::try_from(corner).ok(),
-        };
-        match vertex {
-            Some(vertex) if (vertex as usize) < count => Ok(vertex),
-            _ => {
-                let vertex = vertex.map_or("beyond the end".into(), |v| v.to_string());
-                Err(self.error(format!(
-                    "corner {corner} is vertex {vertex}, there are {count} vertices"
-                )))
-            }
-        }
-    }
-
+impl Source<'_> {
     /// Adds the used vertices and the triangles in world space.
     fn append(
         &self,
@@ -176,7 +75,7 @@ impl<'a> Source<'a> {
         let first = output.scene.positions.len();
         let (vertices, local) = used_vertices(&corners);
         self.append_positions(&vertices, &mut output.scene)?;
-        self.append_normals(&vertices, output);
+        self.append_normals(&vertices, output)?;
         self.append_uvs(material, &vertices, output)?;
         let scene = &mut output.scene;
         let light = area_light(material, scene);
@@ -217,11 +116,11 @@ impl<'a> Source<'a> {
 
     /// Normals transform by the cofactor matrix, which has the inverse transpose's direction
     /// up to the determinant's sign, and exists for flat scalings too.
-    fn append_normals(&self, vertices: &[u32], output: &mut Output) {
+    fn append_normals(&self, vertices: &[u32], output: &mut Output) -> Result<(), SceneError> {
         let scene = &mut output.scene;
-        let Some(normals) = &self.normals else {
+        let Some(normals) = self.attribute(Semantic::Normals, Type::Vec3)? else {
             scene.normals.resize(scene.positions.len(), Vec3::ZERO);
-            return;
+            return Ok(());
         };
         let cofactor = cofactor(&self.placed.world.matrix3);
         for &vertex in vertices {
@@ -234,6 +133,7 @@ impl<'a> Source<'a> {
             }
             scene.normals.push(normal);
         }
+        Ok(())
     }
 
     fn append_uvs(
@@ -246,9 +146,8 @@ impl<'a> Source<'a> {
         let source = material.uv.unwrap_or(UvSource::PLAIN);
         let semantic = Semantic::TexCoords(source.set);
         let name = semantic.to_string();
-        let (document, primitive, place) = (self.document, self.primitive, &self.place);
-        let Some(uvs) = vertex_column(document, primitive, semantic, &self.positions, place)?
-        else {
+        let place = &self.place;
+        let Some(uvs) = self.attribute(semantic, Type::Vec2)? else {
             if material.uv.is_some() {
                 let message = format!("textured, but without {name}: one texel for all");
                 warnings.add(place, message);
@@ -271,58 +170,12 @@ impl<'a> Source<'a> {
             let message = "a texture that clamps or mirrors is repeated instead";
             warnings.add(place, message);
         }
-        if material.bends_normals && has(primitive, Semantic::Tangents) {
+        if material.bends_normals && self.has(Semantic::Tangents) {
             let message = "TANGENT left out: tangents follow from the texture coordinates";
             warnings.add(place, message);
         }
         Ok(())
     }
-}
-
-/// Corners of triangle `t`, counter-clockwise (glTF 2.0, 3.7.2.1).
-fn corner_numbers(mode: Mode, t: usize) -> [usize; 3] {
-    match mode {
-        Mode::TriangleStrip => [t, t + 1 + t % 2, t + 2 - t % 2],
-        Mode::TriangleFan => [t + 1, t + 2, 0],
-        _ => [3 * t, 3 * t + 1, 3 * t + 2],
-    }
-}
-
-fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
-    let key = Checked::Valid(semantic);
-    primitive.attributes.get(&key).copied()
-}
-
-fn has(primitive: &Primitive, semantic: Semantic) -> bool {
-    attribute(primitive, semantic).is_some()
-}
-
-/// An attribute with an element for every position.
-fn vertex_column<'a>(
-    document: &'a Document,
-    primitive: &Primitive,
-    semantic: Semantic,
-    positions: &Column,
-    place: &str,
-) -> Result<Option<Column<'a>>, SceneError> {
-    let shape = match semantic {
-        Semantic::TexCoords(_) => Type::Vec2,
-        _ => Type::Vec3,
-    };
-    let name = semantic.to_string();
-    let Some(index) = attribute(primitive, semantic) else {
-        return Ok(None);
-    };
-    let column = document.number_column(index, &name, shape, place)?;
-    if column.count() < positions.count() {
-        let message = format!(
-            "{name} has {} elements for {} positions",
-            column.count(),
-            positions.count()
-        );
-        return Err(document.error(place, message));
-    }
-    Ok(Some(column))
 }
 
 /// The vertices that `corners` names, in order of first use, and the corners by them.

@@ -91,6 +91,29 @@ fn source(set: u32, transform: Option<&TextureTransform>) -> UvSource {
     }
 }
 
+/// The texture coordinates that all textures share, else the first one's.
+pub(super) fn common_uv(
+    uses: &[TextureUse],
+    place: &str,
+    warnings: &mut Warnings,
+) -> Option<UvSource> {
+    let first = uses.first()?.uv;
+    if uses.iter().any(|used| used.uv != first) {
+        let message = "its textures use different texture coordinates; \
+                       those of the first one are used for all";
+        warnings.add(place, message);
+    }
+    Some(first)
+}
+
+/// Whether all of the coordinates a material sees lie in the picture's first period.
+pub(super) fn stays_in_picture(uvs: impl IntoIterator<Item = Vec2>) -> bool {
+    // Exporters touch the edges with rounding errors.
+    const SLACK: f32 = 1e-4;
+    uvs.into_iter()
+        .all(|uv| uv.min_element() >= -SLACK && uv.max_element() <= 1.0 + SLACK)
+}
+
 /// Whether the texture does not simply repeat; warns of filters that are not bilinear.
 pub(super) fn leaves_repetition(
     document: &Document,

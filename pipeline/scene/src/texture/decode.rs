@@ -11,6 +11,10 @@ use std::io::Cursor;
 /// claim far more than their own size, so the claim is checked before it is granted.
 const MAX_TEXELS: u64 = 1 << 27;
 
+/// Most texels that a byte of a picture file can hold: deflate's greatest ratio, 1032, of
+/// texels of one bit. JPEG stays below.
+const MAX_TEXELS_A_BYTE: u64 = 8 * 1032;
+
 /// What the numbers in a picture file mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Encoding {
@@ -83,6 +87,12 @@ fn decode(bytes: &[u8], encoding: Encoding, max_texels: u64) -> Result<Texture, 
         return Err(format!(
             "picture of {width} x {height} texels: the scene's textures together may have \
              {MAX_TEXELS} texels; use a smaller picture"
+        ));
+    }
+    if texels > MAX_TEXELS_A_BYTE * bytes.len() as u64 {
+        return Err(format!(
+            "picture of {width} x {height} texels in {} bytes: truncated or damaged",
+            bytes.len()
         ));
     }
     let image = open()?.decode().map_err(unreadable)?;
@@ -176,6 +186,20 @@ mod tests {
         let got = first_texel(&png(deep), Encoding::Linear);
         let want = Vec3::new(1.0, 128.0 / 255.0, 1.0 / 65_535.0);
         assert!((got - want).abs().max_element() < 1e-7, "{got}");
+    }
+
+    #[test]
+    fn jpeg_is_read_too() {
+        let mut bytes = Cursor::new(Vec::new());
+        DynamicImage::from(image::RgbImage::from_pixel(16, 8, Rgb([200, 100, 50])))
+            .write_to(&mut bytes, ImageFormat::Jpeg)
+            .unwrap();
+        let texture = decode(bytes.get_ref(), Encoding::Linear, MAX_TEXELS).unwrap();
+        assert_eq!((texture.width, texture.height), (16, 8));
+        // A constant block keeps its colour up to rounding in YCbCr.
+        let want = Vec3::new(200.0, 100.0, 50.0) / 255.0;
+        let error = (texture.texels[0] - want).abs().max_element();
+        assert!(error <= 3.0 / 255.0, "{}", texture.texels[0]);
     }
 
     #[test]

@@ -7,9 +7,9 @@ use crate::schema::{self, Table};
 use arrow::array::{Array, ArrayRef, Int8Array, StringArray, UInt32Array};
 use arrow::array::{ArrowPrimitiveType, PrimitiveArray, RecordBatch};
 use arrow::datatypes::{Float32Type, Int8Type, UInt32Type};
-use rrf_field::columns::{COUNT, NAMES};
+use rrf_field::columns::{COUNT, Columns, N, NAMES, V};
 use rrf_field::tree::{LEAF, Tree};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -29,6 +29,17 @@ pub struct Domain {
     pub min: [f32; COUNT],
     /// Greatest values.
     pub max: [f32; COUNT],
+}
+
+impl Domain {
+    /// Whether a row lies in the box, widened by a hundredth of its extent: the outermost
+    /// training rows stand a little inside the cell's border.
+    pub fn holds(&self, row: &[f32; COUNT]) -> bool {
+        (0..COUNT).filter(|c| !(N..V).contains(c)).all(|c| {
+            let margin = 0.01 * (self.max[c] - self.min[c]) + 1e-5 * self.max[c].abs().max(1e-3);
+            self.min[c] - margin <= row[c] && row[c] <= self.max[c] + margin
+        })
+    }
 }
 
 /// The kd-tree and what its cells have seen.
@@ -51,6 +62,24 @@ impl ModelTree {
     pub fn leaves(&self) -> impl Iterator<Item = (usize, u32)> {
         let nodes = self.tree.axis.iter().zip(&self.tree.cell).enumerate();
         nodes.filter_map(|(node, (&axis, &cell))| (axis == LEAF).then_some((node, cell)))
+    }
+
+    /// Whether each row lies in the box that its cell's training rows span (point, viewer,
+    /// light and material; a normal only turns within a cell, so its box says nothing).
+    pub fn trusted(&self, rows: &Columns) -> Vec<bool> {
+        let leaves = self.tree.leaves();
+        let inside = |row: usize, cell: u32| {
+            let domain = leaves
+                .get(cell as usize)
+                .and_then(|&leaf| self.domains.get(leaf)?.as_ref());
+            domain.is_some_and(|d| d.holds(&rows.row(row)))
+        };
+        let cells = self.tree.find_all(rows);
+        cells
+            .into_iter()
+            .enumerate()
+            .map(|(row, cell)| inside(row, cell))
+            .collect()
     }
 
     pub(super) fn to_batch(&self, path: &Path) -> Result<RecordBatch, StoreError> {
@@ -115,48 +144,12 @@ impl ModelTree {
         Ok(tree)
     }
 
-    /// A tree that any query leaves at exactly one leaf: children come after their parent,
-    /// every node but the root is one node's child, leaves name distinct cells.
+    /// A tree that any query leaves at exactly one leaf, and a domain for leaves only.
     fn validate(&self, source: Source) -> Result<(), StoreError> {
-        let Tree {
-            axis,
-            threshold,
-            left,
-            cell,
-        } = &self.tree;
-        let count = axis.len();
-        let lengths = [threshold.len(), left.len(), cell.len(), self.domains.len()];
-        if count == 0 || lengths != [count; 4] {
-            return Err(source.model("tree".into(), "no node, or columns of differing length"));
-        }
-        let mut is_child = vec![false; count];
-        let mut cells = HashSet::new();
-        let nodes = axis.iter().zip(threshold).zip(left).zip(cell).enumerate();
-        for (node, (((&axis, &threshold), &left), &cell)) in nodes {
-            let fail = |reason: &str| Err(source.model(format!("node {node}"), reason));
-            if axis == LEAF {
-                if cell == u32::MAX || !cells.insert(cell) {
-                    return fail("a leaf without a cell, or with that of another leaf");
-                }
-                continue;
-            }
-            if usize::try_from(axis).map_or(true, |axis| axis >= COUNT) {
-                return fail("its axis is no raw column");
-            }
-            if !threshold.is_finite() {
-                return fail("its threshold is not finite");
-            }
-            let left = left as usize;
-            let Some(children) = is_child.get_mut(left..left.saturating_add(2)) else {
-                return fail("its children are not in the table");
-            };
-            if left <= node || children.iter().any(|taken| *taken) {
-                return fail("its children come before it or belong to another node");
-            }
-            children.fill(true);
-        }
-        if let Some(node) = is_child.iter().skip(1).position(|taken| !taken) {
-            return Err(source.model(format!("node {}", node + 1), "no node leads to it"));
+        let check = self.tree.check();
+        check.map_err(|reason| source.model("tree".into(), reason))?;
+        if self.domains.len() != self.tree.axis.len() {
+            return Err(source.model("tree".into(), "not as many domains as nodes"));
         }
         self.validate_domains(source)
     }

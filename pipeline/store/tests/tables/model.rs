@@ -1,12 +1,16 @@
 //! The model's tables.
 
 use crate::made;
+use rrf_field::model::CellModel;
 use rrf_store::StoreError;
 use rrf_store::manifest::RunFacts;
 use rrf_store::model::{
     ModelTree, SquareError, read_metrics, read_model, read_tree, read_weights, write_metrics,
     write_tree, write_weights,
 };
+
+/// What the message must say, and the damage.
+type Spoil<T> = (&'static str, fn(&mut T));
 
 #[test]
 fn model_is_read_back() {
@@ -73,18 +77,21 @@ fn leaves_and_nets_must_match() {
 #[test]
 fn trees_that_do_not_end_are_refused() {
     let run = tempfile::tempdir().unwrap();
-    let spoil: [(&str, fn(&mut ModelTree)); 9] = [
-        ("children come before", |t| t.tree.left[2] = 0),
-        ("children come before", |t| t.tree.left[2] = 1),
-        ("not in the table", |t| t.tree.left[2] = u32::MAX),
-        ("not finite", |t| t.tree.threshold[0] = f32::NAN),
-        ("no raw column", |t| t.tree.axis[0] = 18),
-        ("no raw column", |t| t.tree.axis[0] = -2),
-        ("leaf without a cell", |t| t.tree.cell[1] = u32::MAX),
-        ("that of another leaf", |t| t.tree.cell[1] = 1),
-        ("no node leads", |t| {
+    let spoil: [Spoil<ModelTree>; 10] = [
+        ("left child 0", |t| t.tree.left[2] = 0),
+        ("left child 1", |t| t.tree.left[2] = 1),
+        ("left child 4294967295", |t| t.tree.left[2] = u32::MAX),
+        ("threshold NaN", |t| t.tree.threshold[0] = f32::NAN),
+        ("axis 18", |t| t.tree.axis[0] = 18),
+        ("axis -2", |t| t.tree.axis[0] = -2),
+        ("no leaf is cell 0", |t| t.tree.cell[1] = u32::MAX),
+        ("no leaf is cell 0", |t| t.tree.cell[1] = 1),
+        ("no earlier node's child", |t| {
             t.tree.axis[2] = -1;
             t.tree.cell[2] = 9;
+        }),
+        ("upside down", |t| {
+            t.domains[1].as_mut().unwrap().min[3] = f32::INFINITY
         }),
     ];
     for (wanted, spoil) in spoil {
@@ -100,7 +107,7 @@ fn trees_that_do_not_end_are_refused() {
 #[test]
 fn nets_of_wrong_lengths_are_refused() {
     let run = tempfile::tempdir().unwrap();
-    let spoil: [(&str, fn(&mut rrf_field::model::CellModel)); 7] = [
+    let spoil: [Spoil<CellModel>; 7] = [
         ("weights", |m| m.weights.truncate(5)),
         ("not finite", |m| m.weights[3] = f32::INFINITY),
         ("offsets and scales", |m| m.input_scale.push(1.0)),

@@ -16,6 +16,9 @@ mod light;
 mod material;
 mod mesh;
 mod nodes;
+mod picture;
+mod primitive;
+mod specular;
 mod uv;
 
 use crate::warn::Warnings;

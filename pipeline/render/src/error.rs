@@ -1,0 +1,110 @@
+//! Why a frame could not be made, read, written or compared.
+
+use std::path::PathBuf;
+
+/// What went wrong and where.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// A file cannot be written.
+    #[error("{path}: cannot be written: {reason}", path = path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        reason: String,
+    },
+    /// A file cannot be read as an OpenEXR picture.
+    #[error("{path}: cannot be read as OpenEXR: {reason}", path = path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        reason: String,
+    },
+    /// An OpenEXR file without the channels asked for.
+    #[error("{path}: has no channel {wanted}; it has {found}", path = path.display())]
+    Channel {
+        /// The file.
+        path: PathBuf,
+        /// The channel that is missing.
+        wanted: String,
+        /// The channels that it has.
+        found: String,
+    },
+    /// A picture without pixels, or with more than a 32-bit pixel id can name.
+    #[error("a picture of {width}x{height} pixels cannot be made; give both sides from 1 to 65535")]
+    Size {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+    /// A view that shows nothing.
+    #[error("the view cannot be rendered: {reason}")]
+    View {
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A point light with a position or intensity that is not finite.
+    #[error("point light {light} (from 0) has a position or intensity that is not finite")]
+    Light {
+        /// Its place in the list.
+        light: usize,
+    },
+    /// Nets know point lights only.
+    #[error(
+        "the scene's area lights cannot light a frame by the nets; \
+         give point lights (--light x,y,z[,r,g,b]), or render the frame by path tracing"
+    )]
+    AreaLights,
+    /// Samples that do not divide evenly over two halves and a pixel's positions.
+    #[error(
+        "{samples} paths a pixel cannot be shared by {aa}x{aa} positions in it and two halves; \
+         give a multiple of {}", 2 * aa * aa
+    )]
+    Samples {
+        /// Paths a pixel.
+        samples: u32,
+        /// Positions a side.
+        aa: u32,
+    },
+    /// Evaluation of the nets.
+    #[error(transparent)]
+    Field(#[from] rrf_field::FieldError),
+    /// Tracing.
+    #[error(transparent)]
+    Trace(#[from] rrf_trace::TraceError),
+    /// Two pictures of different sizes.
+    #[error(
+        "the pictures differ in size: {}x{} and {}x{}; render both at one size",
+        first.0, first.1, second.0, second.1
+    )]
+    SizeMismatch {
+        /// Size of the first.
+        first: (u32, u32),
+        /// Size of the second.
+        second: (u32, u32),
+    },
+    /// A pixel that is not a number or not finite.
+    #[error("the {picture} picture has {value} at x {x}, y {y} (from the top left)")]
+    NotFinite {
+        /// "first", "second" or "rendered".
+        picture: &'static str,
+        /// Column from the left.
+        x: u32,
+        /// Row from the top.
+        y: u32,
+        /// The value found.
+        value: f32,
+    },
+    /// The reference has no light: relative measures are undefined.
+    #[error("the reference picture is black everywhere; nothing can be compared relative to it")]
+    BlackReference,
+}
+
+impl RenderError {
+    /// Whether other input is needed; otherwise the same could succeed if tried again.
+    pub fn is_bad_input(&self) -> bool {
+        !matches!(self, RenderError::Write { .. })
+    }
+}

@@ -1,0 +1,77 @@
+//! Pictures and frames in memory.
+
+use crate::error::RenderError;
+use glam::Vec3;
+
+/// A linear RGB picture (Rec. 709 primaries, D65), row-major from the top left.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Picture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// `width * height` pixels.
+    pub pixels: Vec<Vec3>,
+}
+
+impl Picture {
+    /// The first pixel that is not finite, as an error that names `picture`.
+    pub fn check_finite(&self, picture: &'static str) -> Result<(), RenderError> {
+        let bad = self.pixels.iter().position(|p| !p.is_finite());
+        match bad {
+            None => Ok(()),
+            Some(at) => {
+                let pixel = self.pixels[at].to_array();
+                Err(RenderError::NotFinite {
+                    picture,
+                    x: at as u32 % self.width,
+                    y: at as u32 / self.width,
+                    value: pixel.into_iter().find(|x| !x.is_finite()).unwrap_or(0.0),
+                })
+            }
+        }
+    }
+}
+
+/// A rendered frame: radiance [W·sr⁻¹·m⁻²] by parts, and where it came from.
+/// Every layer present has `width * height` entries, row-major from the top left.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// What the frame shows: the sum of the parts that were asked for.
+    pub full: Vec<Vec3>,
+    /// Light from the lamps to the eye by at most one bounce, lamps seen directly included.
+    pub direct: Option<Vec<Vec3>>,
+    /// Light by two bounces or more.
+    pub indirect: Option<Vec<Vec3>>,
+    /// Cell of the net that lit the pixel under the first light, `u32::MAX` where none did.
+    pub cell: Option<Vec<u32>>,
+    /// Share of the pixel's samples within what the nets were trained for, 0 to 1.
+    pub trust: Option<Vec<f32>>,
+    /// Named facts about the frame: program version, view, lights, options.
+    pub attributes: Vec<(String, String)>,
+}
+
+impl Frame {
+    /// The frame's picture.
+    pub fn picture(&self) -> Picture {
+        self.layer(&self.full)
+    }
+
+    /// One of the frame's layers as a picture.
+    pub fn layer(&self, layer: &[Vec3]) -> Picture {
+        Picture {
+            width: self.width,
+            height: self.height,
+            pixels: layer.to_vec(),
+        }
+    }
+}
+
+/// Luminance of linear Rec. 709 RGB (CIE Y).
+pub fn luminance(rgb: Vec3) -> f32 {
+    rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}

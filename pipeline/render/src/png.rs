@@ -1,0 +1,82 @@
+//! PNG pictures to look at: tone-mapped frames, cell maps, contact sheets.
+
+use crate::error::RenderError;
+use crate::exr::staged;
+use crate::frame::{Frame, Picture};
+use crate::tone::{Exposure, srgb8};
+use image::{ImageFormat, Rgb, RgbImage};
+use std::path::Path;
+
+/// An 8-bit sRGB picture.
+pub type Shown = RgbImage;
+
+/// The picture at a stated exposure.
+pub fn tone_mapped(picture: &Picture, exposure: Exposure) -> Shown {
+    let (width, height) = (picture.width, picture.height);
+    Shown::from_fn(width, height, |x, y| {
+        let at = y as usize * width as usize + x as usize;
+        let pixel = picture.pixels.get(at).copied().unwrap_or_default();
+        Rgb(srgb8(pixel, exposure))
+    })
+}
+
+/// False colours of the cells; black where no net lit the pixel.
+pub fn cell_map(frame: &Frame) -> Shown {
+    Shown::from_fn(frame.width, frame.height, |x, y| {
+        let at = y as usize * frame.width as usize + x as usize;
+        let cell = frame.cell.as_ref().and_then(|cells| cells.get(at));
+        Rgb(cell.map_or([0; 3], |&cell| cell_color(cell)))
+    })
+}
+
+/// A color for a cell id: hues a golden angle apart, so that neighbouring ids differ,
+/// in three brightnesses.
+pub fn cell_color(cell: u32) -> [u8; 3] {
+    if cell == u32::MAX {
+        return [0; 3];
+    }
+    let hue = 6.0 * (f64::from(cell) * 0.618_033_988_749_895).fract();
+    let value = [1.0, 0.75, 0.55][(cell / 8 % 3) as usize];
+    [5.0, 3.0, 1.0].map(|n: f64| {
+        let k = (n + hue) % 6.0;
+        let chroma = 0.65 * k.min(4.0 - k).clamp(0.0, 1.0);
+        (255.0 * value * (1.0 - chroma)).round() as u8
+    })
+}
+
+/// Writes a picture, beside the target first and then renamed onto it.
+pub fn write(path: &Path, shown: &Shown) -> Result<(), RenderError> {
+    let failed = |reason: String| RenderError::Write {
+        path: path.to_path_buf(),
+        reason,
+    };
+    let staged = staged(path);
+    shown
+        .save_with_format(&staged, ImageFormat::Png)
+        .map_err(|e| failed(e.to_string()))
+        .and_then(|()| std::fs::rename(&staged, path).map_err(|e| failed(e.to_string())))
+        .inspect_err(|_| {
+            let _ = std::fs::remove_file(&staged);
+        })
+}
+
+/// Pictures side by side, `columns` in a row from the top left, on mid grey with a margin.
+pub fn contact_sheet(pictures: &[Shown], columns: u32) -> Shown {
+    const MARGIN: u32 = 8;
+    let columns = columns.max(1);
+    let rows = (pictures.len() as u32).div_ceil(columns);
+    let columns = columns.min(pictures.len() as u32);
+    let width = pictures.iter().map(|p| p.width()).max().unwrap_or(0);
+    let height = pictures.iter().map(|p| p.height()).max().unwrap_or(0);
+    let mut sheet = Shown::from_pixel(
+        MARGIN + columns * (width + MARGIN),
+        MARGIN + rows * (height + MARGIN),
+        Rgb([96; 3]),
+    );
+    for (i, picture) in (0u32..).zip(pictures) {
+        let x = MARGIN + i % columns * (width + MARGIN);
+        let y = MARGIN + i / columns * (height + MARGIN);
+        image::imageops::replace(&mut sheet, picture, i64::from(x), i64::from(y));
+    }
+    sheet
+}

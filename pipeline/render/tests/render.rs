@@ -1,0 +1,297 @@
+//! Frames against closed forms: a Lambert floor under point lights, nets that are known functions.
+
+#![allow(clippy::unwrap_used)]
+
+use glam::{Vec2, Vec3};
+use rrf_field::Field;
+use rrf_field::columns::{self, Columns};
+use rrf_field::model::CellModel;
+use rrf_field::net::Shape;
+use rrf_field::tree::Tree;
+use rrf_render::{
+    Frame, Lights, Negative, Part, RenderError, RenderOptions, View, render, trace_frame,
+};
+use rrf_scene::{AreaLight, INVALID, Material, MaterialKind, PointLight, Scene};
+use rrf_trace::Tracer;
+use std::f32::consts::PI;
+
+const ALBEDO: Vec3 = Vec3::new(0.8, 0.5, 0.2);
+
+/// A Lambert square of side 4 in z = 0, and if asked a small one above its right half at z = 0.5.
+fn floor(blocker: bool) -> Scene {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let mut positions: Vec<Vec3> = corners
+        .map(|(x, y)| Vec3::new(2.0 * x, 2.0 * y, 0.0))
+        .to_vec();
+    let mut triangles = vec![[0, 1, 2], [0, 2, 3]];
+    if blocker {
+        positions.extend(corners.map(|(x, y)| Vec3::new(0.5 + 0.2 * x, 0.2 * y, 0.5)));
+        triangles.extend([[4, 5, 6], [4, 6, 7]]);
+    }
+    let count = triangles.len();
+    Scene {
+        normals: vec![Vec3::ZERO; positions.len()],
+        uvs: vec![Vec2::ZERO; positions.len()],
+        positions,
+        triangle_material: vec![0; count],
+        triangle_light: vec![INVALID; count],
+        triangle_object: vec![0; count],
+        triangles,
+        materials: vec![Material {
+            name: "floor".to_string(),
+            kind: MaterialKind::Lambert,
+            base_color: ALBEDO,
+            roughness: 0.5,
+            metallic: 0.0,
+            specular: 0.5,
+            base_texture: INVALID,
+            roughness_metallic_texture: INVALID,
+            normal_texture: INVALID,
+        }],
+        ..Scene::default()
+    }
+}
+
+/// A camera above the origin that looks down; image x is world x, image y is world -y.
+fn above(size: [u32; 2]) -> View {
+    View::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, Vec3::Y, 30.0, size)
+}
+
+/// Where the ray through image position (x, y) meets z = 0.
+fn on_floor(view: &View, x: f32, y: f32) -> Vec3 {
+    let d = view.direction(x, y);
+    view.eye - d * (view.eye.z / d.z)
+}
+
+fn point(position: [f32; 3], intensity: [f32; 3]) -> PointLight {
+    PointLight {
+        position: position.into(),
+        intensity: intensity.into(),
+    }
+}
+
+fn lights(points: Vec<PointLight>) -> Lights {
+    Lights {
+        points,
+        area: false,
+    }
+}
+
+/// Nets without hidden layers: Φ = (1, p_x, l_x) left of x = 0, (1, p_x, l_x + 10) right of it.
+fn linear_field() -> Field {
+    let mut tree = Tree::single();
+    tree.split(0, columns::P, 0.0, 1);
+    let model = |cell: u32, offset: f32| CellModel {
+        cell,
+        inputs: vec![columns::P as u8, columns::L as u8],
+        input_offset: vec![0.0; 2],
+        input_scale: vec![1.0; 2],
+        shape: Shape { sizes: vec![2, 3] },
+        weights: vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, offset, 0.0, 1.0],
+        output_scale: [1.0; 3],
+        output_offset: [0.0; 3],
+        divide_base: false,
+    };
+    Field::new(tree, vec![model(0, 0.0), model(1, 10.0)]).unwrap()
+}
+
+fn close(a: Vec3, b: Vec3) -> bool {
+    // A dozen roundings of single precision.
+    (a - b)
+        .abs()
+        .cmple(12.0 * f32::EPSILON * b.abs().max(Vec3::splat(1e-3)))
+        .all()
+}
+
+#[test]
+fn direct_light_is_the_closed_form() {
+    let scene = floor(true);
+    let tracer = Tracer::new(&scene).unwrap();
+    let view = above([40, 30]);
+    let lights = lights(vec![
+        point([0.3, -0.2, 1.0], [1.0, 2.0, 3.0]),
+        point([-0.4, 0.1, 0.7], [5.0, 0.0, 1.0]),
+    ]);
+    let options = RenderOptions {
+        part: Part::Direct,
+        ..RenderOptions::default()
+    };
+    let frame = render(&tracer, &linear_field(), &view, &lights, &options).unwrap();
+    assert_eq!((frame.width, frame.height), (40, 30));
+    assert!(frame.indirect.is_none() && frame.cell.is_none());
+    let (mut shadowed, mut lit) = (0, 0);
+    for y in 0..30 {
+        for x in 0..40 {
+            let p = on_floor(&view, x as f32 + 0.5, y as f32 + 0.5);
+            let eye_at = |z: f32| view.eye + (p - view.eye) * ((3.0 - z) / 3.0);
+            let over = |q: Vec3| (q.x - 0.5).abs() < 0.2 && q.y.abs() < 0.2;
+            if over(eye_at(0.5)) {
+                continue; // the camera sees the small square
+            }
+            let mut want = Vec3::ZERO;
+            for light in &lights.points {
+                let to = light.position - p;
+                if over(p + to * (0.5 / to.z)) {
+                    shadowed += 1;
+                    continue;
+                }
+                lit += 1;
+                let cosine = to.z / to.length();
+                want += light.intensity * ALBEDO / PI * cosine / to.length_squared();
+            }
+            let got = frame.full[y * 40 + x];
+            assert!(close(got, want), "pixel {x} {y}: {got} {want}");
+        }
+    }
+    assert!(shadowed > 20 && lit > 1000, "{shadowed} {lit}");
+}
+
+#[test]
+fn indirect_light_is_the_intensity_weighted_sum_of_the_nets() {
+    let scene = floor(false);
+    let tracer = Tracer::new(&scene).unwrap();
+    let view = above([33, 17]);
+    let lights = lights(vec![
+        point([0.3, -0.2, 1.0], [1.0, 2.0, 3.0]),
+        point([-0.4, 0.1, 0.7], [5.0, 0.5, 1.0]),
+    ]);
+    let trusted = |rows: &Columns| rows.columns[columns::P].iter().map(|&x| x < 0.0).collect();
+    let options = RenderOptions {
+        part: Part::Indirect,
+        aa: 2,
+        trusted: Some(&trusted),
+        ..RenderOptions::default()
+    };
+    let frame = render(&tracer, &linear_field(), &view, &lights, &options).unwrap();
+    let cells = frame.cell.unwrap();
+    let trust = frame.trust.unwrap();
+    for y in 0..17 {
+        for x in 0..33 {
+            let mut want = Vec3::ZERO;
+            let mut left = 0.0;
+            for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let offset = |i: i32| 0.25 + 0.5 * i as f32;
+                let p = on_floor(&view, x as f32 + offset(i), y as f32 + offset(j));
+                let ten = if p.x < 0.0 { 0.0 } else { 10.0 };
+                left += if p.x < 0.0 { 0.25 } else { 0.0 };
+                for light in &lights.points {
+                    let phi = Vec3::new(1.0, p.x, light.position.x + ten);
+                    want += 0.25 * light.intensity * phi;
+                }
+            }
+            let at = y * 33 + x;
+            let scale = Vec3::new(6.0, 1.0, 50.0); // sums of sizes before they cancel
+            assert!(
+                ((frame.full[at] - want) / scale).abs().max_element() < 1e-5,
+                "pixel {x} {y}: {} {want}",
+                frame.full[at]
+            );
+            assert_eq!(trust[at], left);
+            let first = on_floor(&view, x as f32 + 0.25, y as f32 + 0.25);
+            assert_eq!(cells[at], u32::from(first.x >= 0.0));
+        }
+    }
+}
+
+#[test]
+fn negative_radiance_stays_unless_told_otherwise() {
+    let scene = floor(false);
+    let tracer = Tracer::new(&scene).unwrap();
+    let lights = lights(vec![point([-0.4, 0.1, 0.7], [1.0; 3])]);
+    let frame = |negative| {
+        let options = RenderOptions {
+            negative,
+            ..RenderOptions::default()
+        };
+        render(&tracer, &linear_field(), &above([8, 8]), &lights, &options).unwrap()
+    };
+    let (kept, zero) = (frame(Negative::Keep), frame(Negative::Zero));
+    let (kept_layer, zero_layer) = (kept.indirect.unwrap(), zero.indirect.unwrap());
+    assert!(kept_layer.iter().any(|p| p.y < -0.1));
+    for (kept, zero) in kept_layer.iter().zip(zero_layer) {
+        assert_eq!(kept.max(Vec3::ZERO), zero);
+    }
+    let fact = |frame: &[(String, String)]| {
+        let found = frame.iter().find(|(name, _)| name == "rrf.negative");
+        found.unwrap().1.clone()
+    };
+    assert_eq!(fact(&kept.attributes), "Keep");
+    assert_eq!(fact(&zero.attributes), "Zero");
+}
+
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build().unwrap().install(work)
+}
+
+#[test]
+fn one_thread_and_two_give_the_same_bits() {
+    let scene = floor(true);
+    let tracer = Tracer::new(&scene).unwrap();
+    let lights = lights(vec![point([0.3, -0.2, 1.0], [1.0, 2.0, 3.0])]);
+    let view = above([70, 40]);
+    let baked = || -> Frame {
+        let options = RenderOptions::default();
+        render(&tracer, &linear_field(), &view, &lights, &options).unwrap()
+    };
+    let traced = || trace_frame(&tracer, &view, &lights, 8, 2, 7, &|_| ()).unwrap();
+    assert!(on_threads(1, baked) == on_threads(2, baked));
+    assert!(on_threads(1, traced) == on_threads(2, traced));
+}
+
+#[test]
+fn traced_and_rendered_frames_share_their_pixels() {
+    let scene = floor(true);
+    let tracer = Tracer::new(&scene).unwrap();
+    let lights = lights(vec![point([0.3, -0.2, 1.0], [1.0, 2.0, 3.0])]);
+    let view = above([70, 40]);
+    for aa in [1, 3] {
+        let options = RenderOptions {
+            aa,
+            ..RenderOptions::default()
+        };
+        let baked = render(&tracer, &linear_field(), &view, &lights, &options).unwrap();
+        let traced = trace_frame(&tracer, &view, &lights, 2 * aa * aa, aa, 1, &|_| ()).unwrap();
+        assert!(baked.direct == traced.direct);
+    }
+}
+
+#[test]
+fn what_cannot_be_rendered_is_refused() {
+    let mut scene = floor(false);
+    let field = linear_field();
+    let options = RenderOptions::default();
+    let none = Lights::default();
+    {
+        let tracer = Tracer::new(&scene).unwrap();
+        let refused = render(&tracer, &field, &above([0, 4]), &none, &options).unwrap_err();
+        assert!(matches!(refused, RenderError::Size { .. }));
+        let mut view = above([4, 4]);
+        view.eye.x = f32::NAN;
+        let refused = render(&tracer, &field, &view, &none, &options).unwrap_err();
+        assert!(matches!(refused, RenderError::View { .. }));
+        let bad = lights(vec![
+            point([0.0; 3], [1.0; 3]),
+            point([f32::NAN; 3], [1.0; 3]),
+        ]);
+        let refused = render(&tracer, &field, &above([4, 4]), &bad, &options).unwrap_err();
+        assert!(matches!(refused, RenderError::Light { light: 1 }));
+        let refused = trace_frame(&tracer, &above([4, 4]), &none, 6, 2, 1, &|_| ()).unwrap_err();
+        assert!(matches!(refused, RenderError::Trace(_)), "{refused}");
+        // Without lights all is dark, and that is a frame.
+        let dark = render(&tracer, &field, &above([4, 4]), &none, &options).unwrap();
+        assert!(dark.full.iter().all(|&p| p == Vec3::ZERO));
+    }
+    scene.area_lights.push(AreaLight {
+        radiance: Vec3::ONE,
+        two_sided: false,
+    });
+    scene.triangle_light[0] = 0;
+    let tracer = Tracer::new(&scene).unwrap();
+    let area = Lights {
+        points: Vec::new(),
+        area: true,
+    };
+    let refused = render(&tracer, &field, &above([4, 4]), &area, &options).unwrap_err();
+    assert!(matches!(refused, RenderError::AreaLights));
+}

@@ -1,0 +1,242 @@
+//! MTL materials mapped onto ours.
+
+use super::mtl::{self, Mtl};
+use super::scan::Scan;
+use crate::file::read_bytes;
+use crate::texture::{Encoding, TextureTable};
+use crate::warn::Warnings;
+use crate::{INVALID, LoadOptions, Material, MaterialKind, Scene, SceneError};
+use glam::Vec3;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+/// What a model needs to know of its material.
+#[derive(Clone, Copy)]
+pub(super) struct MaterialUse {
+    /// Id in the scene.
+    pub(super) id: u32,
+    /// Emitted radiance [W/(sr m^2)], black for none.
+    pub(super) radiance: Vec3,
+    /// Needs texture coordinates.
+    pub(super) is_textured: bool,
+}
+
+/// The file's libraries, and the materials that models use.
+pub(super) struct Materials {
+    library: Vec<Mtl>,
+    default_albedo: f32,
+    known: HashMap<Option<usize>, MaterialUse>,
+    materials: Vec<Material>,
+    textures: TextureTable<PathBuf>,
+    without: usize,
+}
+
+impl Materials {
+    /// Reads the libraries that the OBJ file `path` names. One that cannot be read is a
+    /// warning, as is a material that none of them defines.
+    pub(super) fn read(
+        path: &Path,
+        scan: &Scan,
+        options: &LoadOptions,
+        warnings: &mut Warnings,
+    ) -> Result<Self, SceneError> {
+        let mut library = Vec::new();
+        for (line, name) in &scan.libraries {
+            let file = path.parent().unwrap_or(Path::new("")).join(name);
+            match read_bytes(&file) {
+                Ok(bytes) => {
+                    let text = String::from_utf8_lossy(&bytes);
+                    library.extend(mtl::parse(&file, &text, warnings)?);
+                }
+                Err(error) => warnings.add(place(path, *line), error.to_string()),
+            }
+        }
+        let defined: HashSet<&str> = library.iter().map(|mtl| mtl.name.as_str()).collect();
+        for (line, name) in &scan.materials {
+            if !defined.contains(name.as_str()) {
+                let message = format!("material {name:?} is not defined: the default serves");
+                warnings.add(place(path, *line), message);
+            }
+        }
+        Ok(Self {
+            library,
+            default_albedo: options.default_albedo,
+            known: HashMap::new(),
+            materials: Vec::new(),
+            textures: TextureTable::new(),
+            without: 0,
+        })
+    }
+
+    /// Names in the libraries; the last of equal ones counts.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.library.iter().map(|mtl| mtl.name.as_str())
+    }
+
+    /// The material of a model of `triangles` triangles.
+    pub(super) fn of_model(
+        &mut self,
+        model: &tobj::Model,
+        triangles: usize,
+        warnings: &mut Warnings,
+    ) -> MaterialUse {
+        let mtl = model.mesh.material_id.and_then(|id| self.library.get(id));
+        if mtl.is_none() {
+            self.without += triangles;
+        }
+        let key = mtl.and(model.mesh.material_id);
+        if let Some(known) = self.known.get(&key) {
+            return *known;
+        }
+        let (material, radiance) = match mtl.cloned() {
+            Some(mtl) => (self.convert(&mtl, warnings), self.radiance(&mtl, warnings)),
+            None => (
+                Material::lambert("default", Vec3::splat(self.default_albedo)),
+                Vec3::ZERO,
+            ),
+        };
+        let used = MaterialUse {
+            id: self.materials.len() as u32,
+            radiance,
+            is_textured: material.base_texture != INVALID || material.normal_texture != INVALID,
+        };
+        self.materials.push(material);
+        self.known.insert(key, used);
+        used
+    }
+
+    /// Moves everything into the scene.
+    pub(super) fn finish(self, scene: &mut Scene, warnings: &mut Warnings) {
+        if self.without > 0 {
+            let message = format!(
+                "without material: Lambert, reflectance {}",
+                self.default_albedo
+            );
+            warnings.add(format!("{} triangles", self.without), message);
+        }
+        scene.materials = self.materials;
+        scene.textures = self.textures.into_textures();
+    }
+
+    /// Principled where Pr or Pm stand, else Lambert.
+    fn convert(&mut self, mtl: &Mtl, warnings: &mut Warnings) -> Material {
+        note_left_out(mtl, warnings);
+        // A map without Kd stands alone.
+        let none = if mtl.diffuse_map.is_some() {
+            1.0
+        } else {
+            self.default_albedo
+        };
+        if mtl.diffuse.is_none() && mtl.diffuse_map.is_none() {
+            warnings.add(&mtl.place, format!("no Kd: read as {none}"));
+        }
+        let colour = mtl.diffuse.unwrap_or(Vec3::splat(none));
+        let mut material = Material::lambert(&mtl.name, colour);
+        if mtl.roughness.is_some() || mtl.metallic.is_some() {
+            let index = mtl.index.unwrap_or(1.5);
+            let ratio = (index - 1.0) / (index + 1.0);
+            material.kind = MaterialKind::Principled;
+            material.roughness = mtl.roughness.unwrap_or(0.5);
+            material.metallic = mtl.metallic.unwrap_or(0.0);
+            // F0 = ((n - 1) / (n + 1))^2 = 0.08 specular.
+            material.specular = ratio * ratio / 0.08;
+        }
+        material.base_texture = self.texture(mtl, &mtl.diffuse_map, Encoding::Srgb, warnings);
+        let normal = Encoding::Normal(1.0_f32.to_bits());
+        material.normal_texture = self.texture(mtl, &mtl.normal_map, normal, warnings);
+        material
+    }
+
+    /// Ke, by the mean of map_Ke. A map without Ke stands alone.
+    fn radiance(&self, mtl: &Mtl, warnings: &mut Warnings) -> Vec3 {
+        let none = if mtl.emission_map.is_some() {
+            Vec3::ONE
+        } else {
+            Vec3::ZERO
+        };
+        let mut radiance = mtl.emission.unwrap_or(none);
+        if radiance.min_element() < 0.0 {
+            warnings.add(&mtl.place, "negative Ke is read as black");
+            radiance = radiance.max(Vec3::ZERO);
+        }
+        if radiance == Vec3::ZERO {
+            return radiance;
+        }
+        let message = "Ke is read as radiance from the front (counter-clockwise) side";
+        warnings.add(&mtl.place, message);
+        if let Some(file) = &mtl.emission_map {
+            let mean = read_bytes(file)
+                .map_err(|error| error.to_string())
+                .and_then(|bytes| self.textures.mean(Encoding::Srgb, &bytes));
+            match mean {
+                Ok(mean) => {
+                    warnings.add(&mtl.place, "map_Ke is replaced by its mean");
+                    radiance *= mean;
+                }
+                Err(message) => warnings.add(&mtl.place, format!("map_Ke left out: {message}")),
+            }
+        }
+        radiance
+    }
+
+    /// The texture's id; one that cannot be read is left out with a warning.
+    fn texture(
+        &mut self,
+        mtl: &Mtl,
+        file: &Option<PathBuf>,
+        encoding: Encoding,
+        warnings: &mut Warnings,
+    ) -> u32 {
+        let Some(file) = file else {
+            return INVALID;
+        };
+        if let Some(id) = self.textures.get(file.clone(), encoding) {
+            return id;
+        }
+        let texture = read_bytes(file)
+            .map_err(|error| error.to_string())
+            .and_then(|bytes| self.textures.insert(file.clone(), encoding, &bytes));
+        texture.unwrap_or_else(|message| {
+            let message = format!("texture {} left out: {message}", file.display());
+            warnings.add(&mtl.place, message);
+            INVALID
+        })
+    }
+}
+
+fn note_left_out(mtl: &Mtl, warnings: &mut Warnings) {
+    let is_principled = mtl.roughness.is_some() || mtl.metallic.is_some();
+    // Models 0 and 1 have no reflection, whatever Ks says.
+    let reflects = mtl.model.is_none_or(|model| model >= 2.0);
+    let phong = mtl.phong.is_some_and(|phong| phong != Vec3::ZERO);
+    if phong && reflects && !is_principled {
+        warnings.add(
+            &mtl.place,
+            "Phong reflection (Ks, Ns) left out: Lambert of Kd",
+        );
+    }
+    if mtl.model == Some(0.0) {
+        warnings.add(
+            &mtl.place,
+            "illum 0 (constant colour) is read as Lambert of Kd",
+        );
+    }
+    if mtl.model.is_some_and(|model| model >= 3.0) && !is_principled {
+        let message = "mirrors and glass (illum 3 and above) are read as Lambert of Kd";
+        warnings.add(&mtl.place, message);
+    }
+    if mtl.opacity.is_some_and(|opacity| opacity < 1.0) {
+        warnings.add(&mtl.place, "transparency is read as opaque");
+    }
+    if mtl.diffuse == Some(Vec3::ZERO) && mtl.diffuse_map.is_some() {
+        warnings.add(
+            &mtl.place,
+            "Kd is black: map_Kd, which it multiplies, is not seen",
+        );
+    }
+}
+
+fn place(path: &Path, line: u32) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    format!("{}:{line}", name.to_string_lossy())
+}

@@ -1,0 +1,209 @@
+//! pbrt's materials as the nearest of ours: Lambert, or Principled with base colour,
+//! roughness, metallic and specular. All but `matte` and `diffuse` come with a warning that
+//! names what was approximated.
+
+use super::fault::{Place, Read, fault};
+use super::params::Params;
+use super::reader::Reader;
+use super::state::{Surface, Version};
+use super::texture::{Mapping, Value};
+use crate::{INVALID, Material, MaterialKind};
+use glam::Vec3;
+
+/// A material on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Draft {
+    pub kind: MaterialKind,
+    pub base: Value,
+    pub roughness: f64,
+    pub metallic: f64,
+    pub specular: f64,
+    pub normal_texture: u32,
+}
+
+impl Draft {
+    pub fn lambert(base: Value) -> Self {
+        let kind = MaterialKind::Lambert;
+        Self {
+            kind,
+            base,
+            roughness: 1.0,
+            metallic: 0.0,
+            specular: 0.0,
+            normal_texture: INVALID,
+        }
+    }
+
+    pub fn dielectric(base: Value, roughness: f64, f0: f64) -> Self {
+        let kind = MaterialKind::Principled;
+        let specular = f0 / 0.08;
+        Self {
+            kind,
+            base,
+            roughness,
+            metallic: 0.0,
+            specular,
+            normal_texture: INVALID,
+        }
+    }
+
+    pub fn metal(base: Value, roughness: f64) -> Self {
+        let kind = MaterialKind::Principled;
+        Self {
+            kind,
+            base,
+            roughness,
+            metallic: 1.0,
+            specular: 0.5,
+            normal_texture: INVALID,
+        }
+    }
+}
+
+impl Reader {
+    /// `Material "type"`.
+    pub fn material_directive(&mut self, kind: &str, at: Place, params: &Params) -> Read<()> {
+        self.state.surface = self.surface(kind, None, at, params)?;
+        Ok(())
+    }
+
+    /// `MakeNamedMaterial "name" "string type" "..."`.
+    pub fn make_named_material(&mut self, name: String, at: Place, params: &Params) -> Read<()> {
+        let Some(kind) = params.string("type")? else {
+            return fault(
+                at,
+                format!("MakeNamedMaterial \"{name}\" needs \"string type\""),
+            );
+        };
+        let surface = self.surface(kind, Some(&name), at, params)?;
+        self.materials.insert(name, surface);
+        Ok(())
+    }
+
+    /// pbrt's material where a file gives none: Lambert 0.5.
+    pub fn material_of(&mut self, surface: Surface) -> Option<u32> {
+        match surface {
+            Surface::Interface => None,
+            Surface::Material(id) => Some(id),
+            Surface::Default => {
+                if self.default_surface.is_none() {
+                    let draft = Draft::lambert(Value::grey(0.5));
+                    self.default_surface = self.add_material("default".to_owned(), &draft).ok();
+                }
+                self.default_surface
+            }
+        }
+    }
+
+    fn surface(
+        &mut self,
+        kind: &str,
+        name: Option<&str>,
+        at: Place,
+        params: &Params,
+    ) -> Read<Surface> {
+        const V3: [&str; 10] = [
+            "matte",
+            "plastic",
+            "metal",
+            "glass",
+            "mirror",
+            "uber",
+            "substrate",
+            "translucent",
+            "disney",
+            "kdsubsurface",
+        ];
+        const V4: [&str; 8] = [
+            "diffuse",
+            "coateddiffuse",
+            "coatedconductor",
+            "conductor",
+            "dielectric",
+            "thindielectric",
+            "diffusetransmission",
+            "measured",
+        ];
+        if V3.contains(&kind) {
+            self.sees(Version::V3);
+        } else if V4.contains(&kind) {
+            self.sees(Version::V4);
+        }
+        if matches!(kind, "" | "none" | "interface") {
+            return Ok(Surface::Interface);
+        }
+        let Some((mut draft, note)) = self.draft(kind, params, at)? else {
+            return fault(at, format!("unknown material \"{kind}\""));
+        };
+        let label = match name {
+            Some(name) => format!("material \"{name}\" ({kind})"),
+            None => format!("material {kind}"),
+        };
+        if let Some(note) = note {
+            self.warn(params.place, format!("{label} is approximated: {note}"));
+        }
+        if draft.specular > 1.0 {
+            self.warn(
+                params.place,
+                format!(
+                    "{label}: reflectance {:.3} at normal incidence is lowered to 0.08",
+                    0.08 * draft.specular
+                ),
+            );
+            draft.specular = 1.0;
+        }
+        self.bumps(&mut draft, params, &label)?;
+        self.check_unused(params)?;
+        let name = name.map_or_else(|| kind.to_owned(), str::to_owned);
+        match self.add_material(name, &draft) {
+            Ok(id) => Ok(Surface::Material(id)),
+            Err(message) => fault(params.place, message),
+        }
+    }
+
+    /// Normal maps are kept; bump and displacement maps are left out.
+    fn bumps(&mut self, draft: &mut Draft, params: &Params, label: &str) -> Read<()> {
+        for name in ["bumpmap", "displacement"] {
+            if let Some(place) = params.place_of(name) {
+                self.warn(place, format!("{label}: \"{name}\" is left out"));
+            }
+        }
+        if let Some(file) = params.string("normalmap")? {
+            draft.normal_texture =
+                self.linear_picture(file, super::colour::place_of(params, "normalmap"))?;
+        }
+        Ok(())
+    }
+
+    /// Adds a material, or finds the same one made before.
+    fn add_material(&mut self, name: String, draft: &Draft) -> Result<u32, String> {
+        let (mut base_color, mut base_texture, map) = match draft.base {
+            Value::Constant(colour) => (colour.as_vec3(), INVALID, Mapping::IDENTITY),
+            Value::Picture { id, scale, map } => (scale.as_vec3(), id, map),
+        };
+        if base_texture != INVALID && base_color.max_element() > 1.0 {
+            base_texture = self.pictures.scaled(base_texture, base_color)?;
+            base_color = Vec3::ONE;
+        }
+        let material = Material {
+            name,
+            kind: draft.kind,
+            base_color,
+            roughness: draft.roughness as f32,
+            metallic: draft.metallic as f32,
+            specular: draft.specular as f32,
+            base_texture,
+            roughness_metallic_texture: INVALID,
+            normal_texture: draft.normal_texture,
+        };
+        let key = format!("{material:?} {map:?}");
+        if let Some(&known) = self.known_materials.get(&key) {
+            return Ok(known);
+        }
+        self.known_materials
+            .insert(key, self.scene.materials.len() as u32);
+        self.scene.materials.push(material);
+        self.material_maps.push(map);
+        Ok(self.scene.materials.len() as u32 - 1)
+    }
+}

@@ -1,0 +1,52 @@
+//! The pbrt text format, versions 3 and 4.
+//!
+//! A file's journey: [`token`] splits text into words, [`params`] reads parameter lists,
+//! [`directive`] follows one directive after another and keeps the graphics [`state`],
+//! [`shape`], [`material`], [`texture`], [`light`] and [`camera`] turn what is declared into
+//! the scene's columns. Format references: pbrt.org/fileformat-v3, pbrt.org/fileformat-v4.
+//!
+//! Where the versions differ, the first word that only one of them has decides
+//! ([`Reader::version`]); without any, version 4.
+
+mod camera;
+mod colour;
+mod directive;
+mod drafts;
+mod fault;
+mod gloss;
+mod light;
+mod material;
+mod mesh;
+mod metal;
+mod mix;
+mod param;
+mod params;
+mod picture;
+mod ply;
+mod ply_header;
+mod reader;
+mod revolve;
+mod shape;
+mod spectrum;
+mod state;
+mod texture;
+mod token;
+mod transform;
+mod world;
+
+#[cfg(test)]
+mod tests;
+
+use crate::{LoadOptions, Scene, SceneError};
+use reader::Reader;
+use std::path::Path;
+
+/// Reads a pbrt file and all that it includes. pbrt has defaults of its own for everything
+/// that a file leaves out, so the options do not matter here.
+pub(crate) fn read(path: &Path, _options: &LoadOptions) -> Result<Scene, SceneError> {
+    let mut reader = Reader::new(path);
+    match reader.main_file(path) {
+        Ok(()) => Ok(reader.finish()),
+        Err(fault) => Err(reader.files.error(fault)),
+    }
+}

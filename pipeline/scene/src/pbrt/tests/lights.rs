@@ -1,0 +1,146 @@
+//! Lights: units, versions, scale and power.
+
+use super::{TRIANGLE, warnings, world_v3, world_v4};
+use crate::Scene;
+use glam::Vec3;
+use std::f32::consts::PI;
+
+/// Y of linear sRGB (IEC 61966-2-1).
+fn luminance(rgb: Vec3) -> f32 {
+    rgb.dot(Vec3::new(0.2126729, 0.7151522, 0.0721750))
+}
+
+fn point_v4(light: &str) -> Scene {
+    world_v4(&format!("LightSource \"point\" {light}\n{TRIANGLE}")).unwrap()
+}
+
+#[test]
+fn point_lights() {
+    let scene = point_v4("\"rgb I\" [1 2 3] \"float scale\" 10 \"point3 from\" [0 1 0]");
+    assert_eq!(scene.point_lights[0].intensity, Vec3::new(10.0, 20.0, 30.0));
+    assert_eq!(scene.point_lights[0].position, Vec3::Y);
+    // 4 pi W over the sphere are 1 W/sr.
+    let scene = point_v4(&format!("\"float power\" {}", 4.0 * PI));
+    assert!((scene.point_lights[0].intensity - Vec3::ONE).length() < 1e-6);
+    let scene = world_v4(&format!(
+        "Translate 1 2 3 Scale 2 2 2 LightSource \"point\" \"point from\" [1 0 0] {TRIANGLE}"
+    ));
+    assert_eq!(
+        scene.unwrap().point_lights[0].position,
+        Vec3::new(3.0, 2.0, 3.0)
+    );
+    // Version 3: `scale` may be a colour.
+    let scene = world_v3(&format!(
+        "LightSource \"point\" \"color I\" [1 2 3] \"rgb scale\" [3 2 1] {TRIANGLE}"
+    ));
+    assert_eq!(
+        scene.unwrap().point_lights[0].intensity,
+        Vec3::new(3.0, 4.0, 3.0)
+    );
+}
+
+/// Version 4: a spectrum has Y = 1 before `scale`; version 3: its own Y.
+#[test]
+fn spectra_by_version() {
+    let pairs = "\"spectrum I\" [300 5 900 5]";
+    let v4 = point_v4(&format!("{pairs} \"float scale\" 7")).point_lights[0].intensity;
+    assert!((luminance(v4) - 7.0).abs() < 1e-4, "{v4}");
+    let v3 = world_v3(&format!("LightSource \"point\" {pairs} {TRIANGLE}"))
+        .unwrap()
+        .point_lights[0]
+        .intensity;
+    assert!((luminance(v3) - 5.0).abs() < 1e-4, "{v3}");
+    let black_body = point_v4("\"blackbody I\" 3000").point_lights[0].intensity;
+    assert!((luminance(black_body) - 1.0).abs() < 1e-5 && black_body.x > black_body.z);
+    let white = point_v4("\"spectrum I\" \"stdillum-D65\"").point_lights[0].intensity;
+    assert_eq!(white, Vec3::ONE);
+    // 1000 K lies outside sRGB.
+    assert!(warnings(&point_v4("\"blackbody I\" 1000")).contains("outside sRGB"));
+}
+
+/// Version 3's two values: temperature and scale of the peak; near 5000 K the eye sees the
+/// flat top of the curve, so that Y is near the scale.
+#[test]
+fn blackbody_of_version_3() {
+    let world = format!("LightSource \"point\" \"blackbody I\" [5200 3] {TRIANGLE}");
+    let y = luminance(world_v3(&world).unwrap().point_lights[0].intensity);
+    assert!((y / 3.0 - 1.0).abs() < 0.03, "{y}");
+}
+
+#[test]
+fn area_lights_are_shared_and_end_with_their_block() {
+    let scene = world_v4(&format!(
+        "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"float scale\" 2 \"bool twosided\" true \
+         {TRIANGLE} {TRIANGLE} AttributeEnd {TRIANGLE}"
+    ))
+    .unwrap();
+    assert_eq!(scene.area_lights.len(), 1);
+    assert_eq!(scene.area_lights[0].radiance, Vec3::new(2.0, 4.0, 6.0));
+    assert!(scene.area_lights[0].two_sided);
+    assert_eq!(scene.triangle_light, [0, 0, crate::INVALID]);
+}
+
+/// pbrt-v4 gives each of its shapes the power: each triangle, but a quadric as a whole.
+/// The radiant power of a Lambertian emitter is pi * area * radiance a side.
+#[test]
+fn power_of_area_lights() {
+    for (shape, lights) in [
+        ("Shape \"disk\"", 1),
+        (
+            "Shape \"trianglemesh\" \"point3 P\" [0 0 0 3 0 0 0 1 0 3 1 1] \"integer indices\" [0 1 2 1 3 2]",
+            2,
+        ),
+    ] {
+        for (two_sided, sides) in [("false", 1), ("true", 2)] {
+            let scene = world_v4(&format!(
+                "AreaLightSource \"diffuse\" \"float power\" 100 \"bool twosided\" {two_sided} {shape}"
+            ))
+            .unwrap();
+            let summary = scene.summary();
+            assert_eq!(summary.area_lights.len(), lights);
+            for light in summary.area_lights {
+                assert_eq!(u32::from(light.two_sided) + 1, sides);
+                assert!((light.power[1] / 100.0 - 1.0).abs() < 1e-6, "{light:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn lights_that_are_left_out() {
+    for light in ["infinite", "distant", "spot", "goniometric", "projection"] {
+        let scene = world_v4(&format!(
+            "LightSource \"{light}\" \"rgb L\" [1 1 1]\n{TRIANGLE}"
+        ))
+        .unwrap();
+        assert!(scene.point_lights.is_empty());
+        let text = warnings(&scene);
+        assert!(
+            text.contains(&format!(
+                "scene.pbrt:3:13: LightSource \"{light}\" is left out"
+            )),
+            "{text}"
+        );
+    }
+    let scene = world_v4(&format!(
+        "ObjectBegin \"o\" AreaLightSource \"diffuse\" {TRIANGLE} ObjectEnd ObjectInstance \"o\""
+    ))
+    .unwrap();
+    assert!(scene.area_lights.is_empty());
+    assert!(warnings(&scene).contains("does not shine"));
+}
+
+#[test]
+fn media_and_motion_are_named() {
+    let scene = world_v4(&format!(
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" MediumInterface \"fog\" \"\" \
+         ActiveTransform EndTime Translate 5 0 0 ActiveTransform All {TRIANGLE}"
+    ))
+    .unwrap();
+    let text = warnings(&scene);
+    assert!(
+        text.contains("media are left out") && text.contains("motion is left out"),
+        "{text}"
+    );
+    assert_eq!(scene.positions[0], Vec3::ZERO);
+}

@@ -1,0 +1,54 @@
+//! A scene whose own lights have been taken out, to be lit by others.
+
+use crate::{AreaLight, INVALID, MaterialKind, Scene};
+use glam::Vec3;
+
+impl Scene {
+    /// The scene without its own lights: point lights and emission go, and with them the
+    /// triangles that only emit. A surface that emits and reflects nothing *is* the lamp; one
+    /// that reflects stays, dark.
+    pub fn unlit(&self) -> Scene {
+        let lamp = |t: usize| self.is_lamp(t);
+        let keep: Vec<usize> = (0..self.triangles.len()).filter(|&t| !lamp(t)).collect();
+        let pick = |column: &[u32]| keep.iter().map(|&t| column[t]).collect();
+        Scene {
+            triangles: keep.iter().map(|&t| self.triangles[t]).collect(),
+            triangle_material: pick(&self.triangle_material),
+            triangle_light: vec![INVALID; keep.len()],
+            triangle_object: pick(&self.triangle_object),
+            point_lights: Vec::new(),
+            area_lights: Vec::<AreaLight>::new(),
+            ..self.clone()
+        }
+    }
+
+    fn is_lamp(&self, triangle: usize) -> bool {
+        let material = &self.materials[self.triangle_material[triangle] as usize];
+        self.triangle_light[triangle] != INVALID
+            && material.kind == MaterialKind::Lambert
+            && material.base_color == Vec3::ZERO
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{INVALID, LoadOptions, load};
+    use std::path::Path;
+
+    #[test]
+    fn the_cornell_lamp_goes_and_nothing_else() {
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell-box/scene.pbrt");
+        let scene = load(&path, &LoadOptions::default()).unwrap();
+        let unlit = scene.unlit();
+        assert_eq!((scene.triangles.len(), unlit.triangles.len()), (36, 34));
+        assert!(unlit.triangle_light.iter().all(|&l| l == INVALID));
+        let lamp_area = 0.47 * 0.38;
+        let areas = |s: &crate::Scene| {
+            (0..s.triangles.len())
+                .map(|t| s.triangle_area(t))
+                .sum::<f64>()
+        };
+        assert!((areas(&scene) - areas(&unlit) - lamp_area).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,237 @@
+//! What was understood of a scene file, for people and for programs.
+
+use crate::measure::areas_by;
+use crate::{Bounds, INVALID, MaterialKind, Scene, Warning};
+use serde::Serialize;
+
+/// What `rrf scene` prints. Lengths are in scene units, areas in their square.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// The file.
+    pub file: String,
+    /// [`Scene::hash_hex`].
+    pub hash: String,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Area of all triangles, one side.
+    pub area: f64,
+    /// Box around all triangles.
+    pub bounds: Option<Bounds>,
+    /// Materials by id.
+    pub materials: Vec<MaterialSummary>,
+    /// Textures by id.
+    pub textures: Vec<TextureSummary>,
+    /// Objects by id.
+    pub objects: Vec<ObjectSummary>,
+    /// The file's point lights.
+    pub point_lights: Vec<PointLightSummary>,
+    /// The file's area lights.
+    pub area_lights: Vec<AreaLightSummary>,
+    /// Cameras, the first the default.
+    pub cameras: Vec<CameraSummary>,
+    /// What was approximated or left out.
+    pub warnings: Vec<Warning>,
+}
+
+/// A material and how much of it there is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MaterialSummary {
+    /// Name in the file.
+    pub name: String,
+    /// `lambert` or `principled`.
+    pub kind: &'static str,
+    /// Linear sRGB.
+    pub base_color: [f32; 3],
+    /// Perceptual roughness; `None` for Lambert, as the next two.
+    pub roughness: Option<f32>,
+    /// Metalness.
+    pub metallic: Option<f32>,
+    /// Dielectric specular.
+    pub specular: Option<f32>,
+    /// Texture ids: base colour, roughness and metallic, normal.
+    pub textures: [Option<u32>; 3],
+    /// Number of triangles.
+    pub triangles: u64,
+    /// Their area.
+    pub area: f64,
+}
+
+/// A texture's size.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TextureSummary {
+    /// Texels across.
+    pub width: u32,
+    /// Texels down.
+    pub height: u32,
+}
+
+/// An object and its size.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ObjectSummary {
+    /// Name.
+    pub name: String,
+    /// Number of triangles.
+    pub triangles: u64,
+    /// Their area.
+    pub area: f64,
+}
+
+/// A point light.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PointLightSummary {
+    /// World position.
+    pub position: [f32; 3],
+    /// Radiant intensity [W/sr].
+    pub intensity: [f32; 3],
+}
+
+/// An area light.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AreaLightSummary {
+    /// Radiance [W/(sr m^2)].
+    pub radiance: [f32; 3],
+    /// Emits from both sides.
+    pub two_sided: bool,
+    /// Number of triangles.
+    pub triangles: u64,
+    /// Their area, one side.
+    pub area: f64,
+    /// Radiant power pi * area * radiance, twice for two sides [W].
+    pub power: [f64; 3],
+}
+
+/// A camera.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CameraSummary {
+    /// Name.
+    pub name: String,
+    /// World position of the eye.
+    pub eye: [f32; 3],
+    /// Unit viewing direction.
+    pub forward: [f32; 3],
+    /// Unit up direction.
+    pub up: [f32; 3],
+    /// The picture is a mirror image of the world: its right is against forward x up.
+    pub mirrored: bool,
+    /// Full angle of the shorter side [degrees].
+    pub fov: f32,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+}
+
+impl Scene {
+    /// What was understood of the file.
+    pub fn summary(&self) -> Summary {
+        let objects = areas_by(self, &self.triangle_object, self.objects.len());
+        Summary {
+            file: self.source.display().to_string(),
+            hash: self.hash_hex(),
+            triangles: self.triangles.len(),
+            vertices: self.positions.len(),
+            area: (0..self.triangles.len())
+                .map(|i| self.triangle_area(i))
+                .sum(),
+            bounds: self.bounds(),
+            materials: self.material_summaries(),
+            textures: self
+                .textures
+                .iter()
+                .map(|t| TextureSummary {
+                    width: t.width,
+                    height: t.height,
+                })
+                .collect(),
+            objects: self
+                .objects
+                .iter()
+                .zip(objects)
+                .map(|(name, (triangles, area))| ObjectSummary {
+                    name: name.clone(),
+                    triangles,
+                    area,
+                })
+                .collect(),
+            point_lights: self
+                .point_lights
+                .iter()
+                .map(|light| PointLightSummary {
+                    position: light.position.to_array(),
+                    intensity: light.intensity.to_array(),
+                })
+                .collect(),
+            area_lights: self.area_light_summaries(),
+            cameras: self.camera_summaries(),
+            warnings: self.warnings.clone(),
+        }
+    }
+
+    fn material_summaries(&self) -> Vec<MaterialSummary> {
+        let areas = areas_by(self, &self.triangle_material, self.materials.len());
+        let texture = |id: u32| (id != INVALID).then_some(id);
+        self.materials
+            .iter()
+            .zip(areas)
+            .map(|(m, (triangles, area))| {
+                let (kind, principled) = match m.kind {
+                    MaterialKind::Lambert => ("lambert", false),
+                    MaterialKind::Principled => ("principled", true),
+                };
+                MaterialSummary {
+                    name: m.name.clone(),
+                    kind,
+                    base_color: m.base_color.to_array(),
+                    roughness: principled.then_some(m.roughness),
+                    metallic: principled.then_some(m.metallic),
+                    specular: principled.then_some(m.specular),
+                    textures: [
+                        m.base_texture,
+                        m.roughness_metallic_texture,
+                        m.normal_texture,
+                    ]
+                    .map(texture),
+                    triangles,
+                    area,
+                }
+            })
+            .collect()
+    }
+
+    fn area_light_summaries(&self) -> Vec<AreaLightSummary> {
+        let areas = areas_by(self, &self.triangle_light, self.area_lights.len());
+        self.area_lights
+            .iter()
+            .zip(areas)
+            .map(|(light, (triangles, area))| {
+                let sides = if light.two_sided { 2.0 } else { 1.0 };
+                let power = light.radiance.as_dvec3() * (std::f64::consts::PI * area * sides);
+                AreaLightSummary {
+                    radiance: light.radiance.to_array(),
+                    two_sided: light.two_sided,
+                    triangles,
+                    area,
+                    power: power.to_array(),
+                }
+            })
+            .collect()
+    }
+
+    fn camera_summaries(&self) -> Vec<CameraSummary> {
+        self.cameras
+            .iter()
+            .map(|camera| CameraSummary {
+                name: camera.name.clone(),
+                eye: camera.eye.to_array(),
+                forward: camera.forward.to_array(),
+                up: camera.up.to_array(),
+                mirrored: camera.forward.cross(camera.up).dot(camera.right) < 0.0,
+                fov: camera.fov,
+                width: camera.width,
+                height: camera.height,
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,208 @@
+//! What every scene must fulfil, whatever its format.
+
+use crate::mend::mend;
+use crate::{INVALID, Scene, SceneError, Warning};
+use glam::{Vec2, Vec3};
+
+/// Checks a scene that a reader made and mends what can be mended, with warnings.
+///
+/// Errors: columns of unequal length; positions, texture coordinates, lights or cameras that
+/// are not finite; ids out of range; negative light; no triangles. Mended: triangles without
+/// area are removed; material parameters and texels are clamped to [0, 1]; normals are
+/// brought to unit length, and those without direction become the zero vector.
+pub(crate) fn validate(mut scene: Scene) -> Result<Scene, SceneError> {
+    check_columns(&scene)?;
+    check_triangles(&scene)?;
+    check_vertices(&scene)?;
+    check_lights(&scene)?;
+    check_cameras(&scene)?;
+    mend(&mut scene)?;
+    if scene.triangles.is_empty() {
+        return refuse(
+            &scene,
+            "the scene",
+            "it has no triangles (with an area); a bake needs surfaces",
+        );
+    }
+    if scene.point_lights.is_empty() && scene.area_lights.is_empty() {
+        let message = "the scene has no lights of its own; a picture of it needs --light";
+        warn(&mut scene, message);
+    }
+    Ok(scene)
+}
+
+fn refuse<T>(
+    scene: &Scene,
+    place: impl Into<String>,
+    message: impl Into<String>,
+) -> Result<T, SceneError> {
+    Err(SceneError::Content {
+        path: scene.source.clone(),
+        place: place.into(),
+        message: message.into(),
+    })
+}
+
+/// A warning about the scene as a whole.
+pub(crate) fn warn(scene: &mut Scene, message: impl Into<String>) {
+    scene.warnings.push(Warning {
+        place: scene.source.display().to_string(),
+        message: message.into(),
+    });
+}
+
+/// The name of a triangle's object, for messages.
+fn object_of(scene: &Scene, triangle: usize) -> String {
+    let object = scene.triangle_object.get(triangle);
+    match object.and_then(|&object| scene.objects.get(object as usize)) {
+        Some(name) => format!("object \"{name}\""),
+        None => format!("triangle {triangle}"),
+    }
+}
+
+fn check_columns(scene: &Scene) -> Result<(), SceneError> {
+    let vertices = scene.positions.len();
+    let triangles = scene.triangles.len();
+    if vertices >= INVALID as usize || triangles >= INVALID as usize {
+        return refuse(
+            scene,
+            "the scene",
+            "it has 2^32 - 1 vertices or triangles or more; simplify it",
+        );
+    }
+    for (column, length, wanted) in [
+        ("normals", scene.normals.len(), vertices),
+        ("uvs", scene.uvs.len(), vertices),
+        (
+            "triangle_material",
+            scene.triangle_material.len(),
+            triangles,
+        ),
+        ("triangle_light", scene.triangle_light.len(), triangles),
+        ("triangle_object", scene.triangle_object.len(), triangles),
+    ] {
+        if length != wanted {
+            return refuse(
+                scene,
+                column,
+                format!("{length} entries where {wanted} are needed"),
+            );
+        }
+    }
+    Ok(())
+}
+
+fn check_triangles(scene: &Scene) -> Result<(), SceneError> {
+    let vertices = scene.positions.len();
+    for (i, triangle) in scene.triangles.iter().enumerate() {
+        if let Some(id) = triangle.iter().find(|&&id| id as usize >= vertices) {
+            let message = format!(
+                "triangle {i} has the vertex id {id}, but the scene has {vertices} vertices"
+            );
+            return refuse(scene, object_of(scene, i), message);
+        }
+    }
+    let in_range = |ids: &[u32], count: usize, may_lack: bool| {
+        ids.iter()
+            .position(|&id| id as usize >= count && !(may_lack && id == INVALID))
+    };
+    for (what, found) in [
+        (
+            "material",
+            in_range(&scene.triangle_material, scene.materials.len(), false),
+        ),
+        (
+            "light",
+            in_range(&scene.triangle_light, scene.area_lights.len(), true),
+        ),
+        (
+            "object",
+            in_range(&scene.triangle_object, scene.objects.len(), false),
+        ),
+    ] {
+        if let Some(i) = found {
+            return refuse(
+                scene,
+                object_of(scene, i),
+                format!("triangle {i} has a {what} id out of range"),
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Whether a vertex can be computed with.
+fn sound(position: Vec3, uv: Vec2) -> bool {
+    // A product of two differences of positions must stay in single precision.
+    const FARTHEST: f32 = 1e15;
+    position.abs().max_element() <= FARTHEST && position.is_finite() && uv.is_finite()
+}
+
+fn check_vertices(scene: &Scene) -> Result<(), SceneError> {
+    let bad = scene
+        .positions
+        .iter()
+        .zip(&scene.uvs)
+        .position(|(&p, &uv)| !sound(p, uv));
+    let Some(vertex) = bad else {
+        return Ok(());
+    };
+    let of = |triangle: &[u32; 3]| triangle.contains(&(vertex as u32));
+    let place = match scene.triangles.iter().position(of) {
+        Some(triangle) => object_of(scene, triangle),
+        None => format!("vertex {vertex}"),
+    };
+    let (p, uv) = (scene.positions.get(vertex), scene.uvs.get(vertex));
+    let message = format!(
+        "vertex {vertex} has the position {} and texture coordinates {}: not finite, or beyond 1e15",
+        p.copied().unwrap_or(Vec3::NAN),
+        uv.copied().unwrap_or(Vec2::NAN)
+    );
+    refuse(scene, place, message)
+}
+
+fn check_lights(scene: &Scene) -> Result<(), SceneError> {
+    let good = |v: Vec3| v.is_finite() && v.min_element() >= 0.0;
+    for (i, light) in scene.point_lights.iter().enumerate() {
+        if !good(light.intensity) || !sound(light.position, Vec2::ZERO) {
+            let message = format!(
+                "{light:?}: a position and intensity that are finite and not negative are needed"
+            );
+            return refuse(scene, format!("point light {i}"), message);
+        }
+    }
+    for (i, light) in scene.area_lights.iter().enumerate() {
+        if !good(light.radiance) {
+            let message = format!(
+                "radiance {}: it must be finite and not negative",
+                light.radiance
+            );
+            return refuse(scene, format!("area light {i}"), message);
+        }
+    }
+    Ok(())
+}
+
+fn check_cameras(scene: &Scene) -> Result<(), SceneError> {
+    for camera in &scene.cameras {
+        let basis = [camera.right, camera.up, camera.forward];
+        let unit = basis
+            .iter()
+            .all(|axis| axis.is_finite() && (axis.length() - 1.0).abs() < 1e-3);
+        if !unit || !sound(camera.eye, Vec2::ZERO) {
+            return refuse(
+                scene,
+                camera.name.clone(),
+                "its position or axes are not finite, or an axis has no length",
+            );
+        }
+        if !(camera.fov > 0.0 && camera.fov < 180.0) || camera.width == 0 || camera.height == 0 {
+            let message = format!(
+                "fov {} degrees, {} x {} pixels; 0 < fov < 180 and a size above 0 are needed",
+                camera.fov, camera.width, camera.height
+            );
+            return refuse(scene, camera.name.clone(), message);
+        }
+    }
+    Ok(())
+}

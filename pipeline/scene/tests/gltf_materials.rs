@@ -1,0 +1,379 @@
+//! Materials, textures, lights and cameras of glTF files built here.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use glam::{Vec2, Vec3};
+use rrf_scene::{INVALID, LightUnits, LoadOptions, MaterialKind, Scene, load};
+use serde_json::{Value, json};
+use support::{Glb, notes, png, warns};
+
+/// Upper left red, upper right green, lower left blue, lower right grey.
+const PICTURE: [[u8; 3]; 4] = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [188, 188, 188]];
+
+/// A square with glTF's texture coordinates: (0, 0) at its upper left corner.
+fn square(glb: &mut Glb, material: Option<usize>) {
+    let positions = glb.floats(&[
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ]);
+    let uvs = glb.floats(&[[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
+    let indices = glb.integers(&[0, 1, 2, 0, 2, 3], 5123);
+    let mut primitive = json!({
+        "attributes": { "POSITION": positions, "TEXCOORD_0": uvs }, "indices": indices,
+    });
+    if let Some(material) = material {
+        primitive["material"] = json!(material);
+    }
+    glb.place(primitive, json!({}));
+}
+
+fn with_material(material: Value) -> Scene {
+    let mut glb = Glb::new();
+    let material = glb.push("materials", material);
+    square(&mut glb, Some(material));
+    glb.load().unwrap()
+}
+
+/// Colour of texture `id` at the square's (x, y), through the scene's own coordinates.
+fn at(scene: &Scene, id: u32, x: f32, y: f32) -> Vec3 {
+    let uv = |v: usize| scene.uvs[v];
+    let uv = uv(0) + (uv(1) - uv(0)) * x + (uv(3) - uv(0)) * y;
+    scene.textures[id as usize].sample(uv)
+}
+
+#[test]
+fn textures_lie_on_the_surface_as_gltf_says() {
+    let mut glb = Glb::new();
+    let colour = glb.texture(2, 2, &PICTURE);
+    let normal = glb.texture(1, 1, &[[255, 128, 255]]);
+    let material = glb.push(
+        "materials",
+        json!({
+            "name": "painted",
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [0.5, 1, 1, 1], "metallicFactor": 0.25, "roughnessFactor": 0.75,
+                "baseColorTexture": { "index": colour },
+                "metallicRoughnessTexture": { "index": colour },
+            },
+            "normalTexture": { "index": normal, "scale": 0.5 },
+        }),
+    );
+    square(&mut glb, Some(material));
+    let scene = glb.load().unwrap();
+    assert!(notes(&scene).is_empty(), "{:?}", scene.warnings);
+    let material = &scene.materials[0];
+    assert_eq!(
+        (material.name.as_str(), material.kind),
+        ("painted", MaterialKind::Principled)
+    );
+    assert_eq!(material.base_color, Vec3::new(0.5, 1.0, 1.0));
+    assert_eq!(
+        (material.metallic, material.roughness, material.specular),
+        (0.25, 0.75, 0.5)
+    );
+    // v grows upwards: the upper left corner is (0, 1).
+    assert_eq!(scene.uvs[3], Vec2::new(0.0, 1.0));
+    assert_eq!(scene.uvs[1], Vec2::new(1.0, 0.0));
+    let base = |x, y| at(&scene, material.base_texture, x, y);
+    assert_eq!(base(0.25, 0.75), Vec3::X);
+    assert_eq!(base(0.75, 0.75), Vec3::Y);
+    assert_eq!(base(0.25, 0.25), Vec3::Z);
+    // sRGB 188 is linear 0.5029 (IEC 61966-2-1); as a number it is 188 / 255.
+    assert!((base(0.75, 0.25) - 0.502_886).abs().max_element() < 1e-5);
+    let mixed = at(&scene, material.roughness_metallic_texture, 0.75, 0.25);
+    assert!((mixed - 188.0 / 255.0).abs().max_element() < 1e-6);
+    // (1, 1/255, 1) with x and y halved is (0.5, 0.5/255, 1), then made unit.
+    let bent = at(&scene, material.normal_texture, 0.3, 0.3) * 2.0 - 1.0;
+    let want = Vec3::new(0.5, 0.5 / 255.0, 1.0).normalize();
+    assert!((bent - want).abs().max_element() < 1e-6, "{bent}");
+}
+
+#[test]
+fn a_texture_transform_moves_all_textures_alike() {
+    let transform = json!({ "KHR_texture_transform": {
+        "offset": [0, 1], "rotation": std::f64::consts::FRAC_PI_2, "scale": [0.5, 0.5],
+    }});
+    let mut glb = Glb::new();
+    let texture = glb.texture(2, 2, &PICTURE);
+    let moved = json!({ "index": texture, "extensions": transform });
+    let material = glb.push(
+        "materials",
+        json!({
+            "pbrMetallicRoughness": { "baseColorTexture": moved },
+            "normalTexture": moved,
+        }),
+    );
+    square(&mut glb, Some(material));
+    let scene = glb.load().unwrap();
+    assert!(notes(&scene).is_empty(), "{:?}", scene.warnings);
+    // The lower left quadrant of the picture (blue), turned clockwise by a quarter: the
+    // upper left corner shows the picture's own lower left corner.
+    assert!(
+        (scene.uvs[3] - Vec2::ZERO).length() < 1e-6,
+        "{}",
+        scene.uvs[3]
+    );
+    assert!(
+        (scene.uvs[2] - Vec2::new(0.0, 0.5)).length() < 1e-6,
+        "{}",
+        scene.uvs[2]
+    );
+    let base = at(&scene, scene.materials[0].base_texture, 0.5, 0.5);
+    assert!((base - Vec3::Z).length() < 1e-5, "{base}");
+
+    // One texture elsewhere than the others cannot be followed: said so.
+    glb.json["materials"][0]["normalTexture"] = json!({ "index": texture });
+    assert!(warns(&glb.load().unwrap(), "different texture coordinates"));
+}
+
+#[test]
+fn pictures_come_from_views_data_uris_and_files_and_are_shared() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("my pictures")).unwrap();
+    let file = png(2, 2, &PICTURE);
+    std::fs::write(folder.path().join("my pictures/a.png"), &file).unwrap();
+    let mut glb = Glb::new();
+    for uri in [
+        "my%20pictures/a.png".to_owned(),
+        format!("data:image/png;base64,{}", base64(&file)),
+    ] {
+        let image = glb.push("images", json!({ "uri": uri }));
+        let texture = glb.push("textures", json!({ "source": image }));
+        let base = json!({ "baseColorTexture": { "index": texture } });
+        let material = glb.push("materials", json!({ "pbrMetallicRoughness": base }));
+        square(&mut glb, Some(material));
+        let again = json!({ "name": "again", "pbrMetallicRoughness": base });
+        let material = glb.push("materials", again);
+        square(&mut glb, Some(material));
+    }
+    // The buffer as a file and as a data URI, in a .gltf.
+    std::fs::write(folder.path().join("all.bin"), &glb.bin).unwrap();
+    for uri in [
+        "all.bin".to_owned(),
+        format!("data:;base64,{}", base64(&glb.bin)),
+    ] {
+        glb.json["buffers"] = json!([{ "byteLength": glb.bin.len(), "uri": uri }]);
+        let path = folder.path().join("scene.gltf");
+        std::fs::write(&path, glb.json.to_string()).unwrap();
+        let scene = load(&path, &LoadOptions::default()).unwrap();
+        assert_eq!((scene.materials.len(), scene.textures.len()), (4, 2));
+        assert_eq!(scene.textures[0], scene.textures[1]);
+        assert_eq!(scene.textures[0].texels[2], Vec3::Z);
+        assert_eq!(scene.triangles.len(), 8);
+    }
+}
+
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for group in bytes.chunks(3) {
+        let bits = (0..3).fold(0_u32, |bits, i| {
+            bits << 8 | u32::from(group.get(i).copied().unwrap_or(0))
+        });
+        for i in 0..4 {
+            let digit = DIGITS[(bits >> (18 - 6 * i)) as usize & 63] as char;
+            text.push(if i <= group.len() { digit } else { '=' });
+        }
+    }
+    text
+}
+
+#[test]
+fn what_is_approximated_is_said() {
+    for (material, part) in [
+        (json!({ "alphaMode": "BLEND" }), "alpha blend"),
+        (json!({ "alphaMode": "MASK" }), "alpha mask"),
+        (
+            json!({ "extensions": { "KHR_materials_specular": { "specularFactor": 0.5 } } }),
+            "specularFactor",
+        ),
+        (
+            json!({ "extensions": { "KHR_materials_specular": {
+                "specularColorFactor": [1, 0.5, 0.5] } } }),
+            "luminance",
+        ),
+        (
+            json!({ "extensions": { "KHR_materials_ior": { "ior": 2.5 } } }),
+            "specular 2.29",
+        ),
+        (
+            json!({ "pbrMetallicRoughness": { "roughnessFactor": 1.5 } }),
+            "roughness 1.5",
+        ),
+    ] {
+        let scene = with_material(material);
+        assert!(warns(&scene, part), "{part}: {:?}", scene.warnings);
+    }
+    let mut glb = Glb::new();
+    glb.json["extensionsUsed"] = json!(["KHR_materials_unlit", "KHR_lights_punctual"]);
+    square(&mut glb, None);
+    let colour = glb.floats(&[[1.0, 0.0, 0.0]; 4]);
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colour);
+    let scene = glb.load().unwrap();
+    let places: Vec<_> = notes(&scene).iter().map(|w| w.place.as_str()).collect();
+    assert_eq!(
+        places,
+        ["KHR_materials_unlit", "mesh 0, primitive 0", "1 primitives"]
+    );
+}
+
+#[test]
+fn texture_repetition_is_only_a_warning_where_it_shows() {
+    let scene = |scale: f32| {
+        let mut glb = Glb::new();
+        let texture = glb.texture(2, 2, &PICTURE);
+        let sampler = glb.push("samplers", json!({ "wrapS": 33071, "magFilter": 9728 }));
+        glb.json["textures"][texture]["sampler"] = json!(sampler);
+        let transform = json!({ "KHR_texture_transform": { "scale": [scale, 1] } });
+        let base = json!({ "index": texture, "extensions": transform });
+        let pbr = json!({ "baseColorTexture": base });
+        let material = glb.push("materials", json!({ "pbrMetallicRoughness": pbr }));
+        square(&mut glb, Some(material));
+        glb.load().unwrap()
+    };
+    assert!(warns(&scene(1.0), "nearest"));
+    assert!(!warns(&scene(1.0), "repeated instead"));
+    assert!(warns(&scene(1.5), "repeated instead"));
+}
+
+#[test]
+fn specular_has_the_reflectance_of_the_index() {
+    for ior in [1.0, 1.2, 1.33, 1.5, 1.7_f32] {
+        let material = json!({ "extensions": { "KHR_materials_ior": { "ior": ior } } });
+        let specular = with_material(material).materials[0].specular;
+        // The index that `principled` makes of it.
+        let eta = 2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0;
+        assert!((eta - ior).abs() < 1e-5, "{ior}: {eta}");
+    }
+    let material = json!({ "extensions": { "KHR_materials_specular": { "specularFactor": 0.5 } } });
+    assert!((with_material(material).materials[0].specular - 0.25).abs() < 1e-6);
+    let material = json!({ "extensions": {
+        "KHR_materials_ior": { "ior": 0 },
+        "KHR_materials_specular": { "specularColorFactor": [0.02, 0.02, 0.02] },
+    }});
+    assert!((with_material(material).materials[0].specular - 0.25).abs() < 1e-6);
+}
+
+#[test]
+fn emission_becomes_area_lights() {
+    let strength = json!({ "KHR_materials_emissive_strength": { "emissiveStrength": 10 } });
+    let scene = with_material(json!({
+        "emissiveFactor": [1, 0.5, 0], "extensions": strength, "doubleSided": true,
+    }));
+    assert_eq!(scene.triangle_light, [0, 0]);
+    assert_eq!(scene.area_lights[0].radiance, Vec3::new(10.0, 5.0, 0.0));
+    assert!(scene.area_lights[0].two_sided);
+    let scene = with_material(json!({ "emissiveFactor": [1, 1, 1] }));
+    assert!(!scene.area_lights[0].two_sided);
+    // A strength without a factor emits nothing.
+    let scene = with_material(json!({ "extensions": strength }));
+    assert_eq!(
+        (scene.triangle_light[0], scene.area_lights.len()),
+        (INVALID, 0)
+    );
+
+    let mut glb = Glb::new();
+    let texture = glb.texture(2, 2, &PICTURE);
+    let material = json!({ "emissiveFactor": [4, 4, 4], "emissiveTexture": { "index": texture } });
+    let material = glb.push("materials", material);
+    square(&mut glb, Some(material));
+    let scene = glb.load().unwrap();
+    // Each channel is once 1 and once the grey's 0.5029 in four texels.
+    let error = (scene.area_lights[0].radiance - 1.502_886)
+        .abs()
+        .max_element();
+    assert!(error < 1e-5);
+    assert!(warns(&scene, "mean"));
+    assert!(scene.textures.is_empty());
+}
+
+fn light(glb: &mut Glb, light: Value, node: Value) {
+    let lights = &mut glb.json["extensions"]["KHR_lights_punctual"]["lights"];
+    if lights.is_null() {
+        *lights = json!([]);
+    }
+    let lights = lights.as_array_mut().unwrap();
+    lights.push(light);
+    let index = lights.len() - 1;
+    let mut node = node;
+    node["extensions"] = json!({ "KHR_lights_punctual": { "light": index } });
+    glb.root(node);
+}
+
+#[test]
+fn point_lights_are_read_others_are_left_out() {
+    let mut glb = Glb::new();
+    glb.some_triangle();
+    light(
+        &mut glb,
+        json!({ "type": "point" }),
+        json!({ "translation": [1, 2, 3] }),
+    );
+    light(
+        &mut glb,
+        json!({ "type": "point", "range": 3, "intensity": 2, "color": [1, 0, 0.5] }),
+        json!({}),
+    );
+    light(&mut glb, json!({ "type": "directional" }), json!({}));
+    light(&mut glb, json!({ "type": "spot", "spot": {} }), json!({}));
+    let options = LoadOptions {
+        light_units: LightUnits::Compat,
+        ..LoadOptions::default()
+    };
+    let scene = glb.load_with(&options).unwrap();
+    assert_eq!(scene.point_lights.len(), 2);
+    assert_eq!(scene.point_lights[0].position, Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!(scene.point_lights[0].intensity, Vec3::ONE);
+    assert_eq!(scene.point_lights[1].intensity, Vec3::new(2.0, 0.0, 1.0));
+    for part in ["range", "directional light left out", "spot light left out"] {
+        assert!(warns(&scene, part), "{part}");
+    }
+}
+
+#[test]
+fn units_of_emission_beside_candela_are_said() {
+    let mut glb = Glb::new();
+    let material = glb.push("materials", json!({ "emissiveFactor": [1, 1, 1] }));
+    square(&mut glb, Some(material));
+    light(&mut glb, json!({ "type": "point" }), json!({}));
+    assert!(warns(&glb.load().unwrap(), "683"));
+    let options = LoadOptions {
+        light_units: LightUnits::Raw,
+        ..LoadOptions::default()
+    };
+    assert!(!warns(&glb.load_with(&options).unwrap(), "683"));
+}
+
+#[test]
+fn cameras_follow_their_nodes() {
+    let mut glb = Glb::new();
+    glb.some_triangle();
+    let upright = json!({ "yfov": 1.0, "aspectRatio": 0.5, "znear": 0.1 });
+    let camera = json!({ "type": "perspective", "perspective": upright, "name": "c" });
+    glb.push("cameras", camera);
+    let flat = json!({ "xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1 });
+    glb.push(
+        "cameras",
+        json!({ "type": "orthographic", "orthographic": flat }),
+    );
+    // Half a turn about y: looks along +z, right is -x.
+    glb.root(json!({ "camera": 0, "rotation": [0, 1, 0, 0], "translation": [0, 0, -4] }));
+    glb.root(json!({ "camera": 1 }));
+    let scene = glb.load().unwrap();
+    assert_eq!(scene.cameras.len(), 1);
+    let camera = &scene.cameras[0];
+    assert_eq!(
+        (camera.name.as_str(), camera.eye),
+        ("c", Vec3::new(0.0, 0.0, -4.0))
+    );
+    assert!((camera.forward - Vec3::Z).length() < 1e-6);
+    assert!((camera.right + Vec3::X).length() < 1e-6);
+    assert!((camera.up - Vec3::Y).length() < 1e-6);
+    assert_eq!((camera.width, camera.height), (512, 1024));
+    let want = 2.0 * (0.5 * 0.5_f32.tan()).atan().to_degrees();
+    assert!((camera.fov - want).abs() < 1e-4);
+    assert!(warns(&scene, "orthographic"));
+}

@@ -1,0 +1,81 @@
+//! The contract itself.
+
+use rrf_field::columns::{COUNT, GEOMETRY, NAMES};
+use rrf_store::schema::{TABLES, Table, table};
+
+/// Version of each table and what its columns hashed to when it was given that version.
+const PINNED: [(Table, u32, &str); 7] = [
+    (Table::Samples, 1, "1ef54b601e453216"),
+    (Table::Tree, 1, "f207d34842db00d3"),
+    (Table::Weights, 1, "ae37e08ba5a57335"),
+    (Table::Metrics, 1, "dc8814f0ffc144ec"),
+    (Table::Points, 1, "4cd9cd184fdab6a7"),
+    (Table::Truth, 1, "57d96e5160c35bbc"),
+    (Table::Answers, 1, "9d8867ae3a9e58f3"),
+];
+
+/// Names, types, units and frames are what files promise: whoever changes one gives the table
+/// a new version, so that old files are refused and not misread.
+#[test]
+fn columns_change_with_the_version_only() {
+    let changed: Vec<String> = PINNED
+        .iter()
+        .filter_map(|&(name, version, pinned)| {
+            let schema = table(name).unwrap();
+            let mut hash = blake3::Hasher::new();
+            for c in &schema.columns {
+                let nullable = if c.nullable { "null" } else { "" };
+                for text in [&c.name, &c.type_name, &c.unit, &c.frame, nullable] {
+                    hash.update(text.as_bytes()).update(b"\n");
+                }
+            }
+            let found = hash.finalize().to_hex()[..16].to_string();
+            ((schema.version, found.as_str()) != (version, pinned))
+                .then(|| format!("(Table::{name:?}, {}, {found:?})", schema.version))
+        })
+        .collect();
+    assert!(
+        changed.is_empty(),
+        "raise the version in schemas/, then pin: {changed:#?}"
+    );
+}
+
+#[test]
+fn every_table_is_listed_in_order() {
+    for (i, name) in TABLES.into_iter().enumerate() {
+        assert_eq!((name as usize, PINNED[i].0), (i, name));
+        let schema = table(name).unwrap();
+        assert_eq!(schema.table, name);
+        let metadata = schema.arrow.metadata();
+        assert_eq!(metadata.get("rrf.schema").unwrap(), name.name());
+        for (column, field) in schema.columns.iter().zip(schema.arrow.fields()) {
+            assert_eq!(field.metadata().get("unit").unwrap(), &column.unit);
+            assert_eq!(field.metadata().get("frame").unwrap(), &column.frame);
+            assert_eq!(field.metadata().get("meaning").unwrap(), &column.meaning);
+        }
+    }
+}
+
+/// The raw columns of the field are those of the schemas, in order and under the same names.
+#[test]
+fn raw_columns_are_the_fields() {
+    let names = |name, skip, count| -> Vec<&str> {
+        let columns = table(name).unwrap().columns.iter();
+        columns
+            .skip(skip)
+            .take(count)
+            .map(|c| c.name.as_str())
+            .collect()
+    };
+    assert_eq!(names(Table::Samples, 2, COUNT), NAMES);
+    assert_eq!(names(Table::Points, 0, 99), NAMES[..GEOMETRY]);
+    assert_eq!(names(Table::Truth, 0, GEOMETRY), NAMES[..GEOMETRY]);
+    assert_eq!(
+        names(Table::Truth, GEOMETRY, 99),
+        ["r", "g", "b", "r_se", "g_se", "b_se"]
+    );
+    assert_eq!(
+        names(Table::Answers, GEOMETRY, 99),
+        ["r", "g", "b", "cell_id", "trusted"]
+    );
+}

@@ -1,0 +1,90 @@
+//! Sobol points with nested uniform (Owen) scrambling.
+//!
+//! Direction numbers: Joe and Kuo, *Constructing Sobol sequences with better two-dimensional
+//! projections*, SIAM J. Sci. Comput. 2008. Scrambling by hashing: Laine and Karras, EGSR 2011,
+//! constants of Burley, *Practical Hash-based Owen Scrambling*, JCGT 2020; a random digital shift
+//! on top makes every point exactly uniform whatever the quality of the hash.
+
+/// How many dimensions there are.
+pub const DIMENSIONS: usize = 10;
+
+/// Degree, polynomial and first direction numbers of dimensions 2 to 10.
+const JOE_KUO: [(usize, u32, [u32; 5]); DIMENSIONS - 1] = [
+    (1, 0, [1, 0, 0, 0, 0]),
+    (2, 1, [1, 3, 0, 0, 0]),
+    (3, 1, [1, 3, 1, 0, 0]),
+    (3, 2, [1, 1, 1, 0, 0]),
+    (4, 1, [1, 1, 3, 3, 0]),
+    (4, 4, [1, 3, 5, 13, 0]),
+    (5, 2, [1, 1, 5, 5, 17]),
+    (5, 4, [1, 1, 5, 5, 5]),
+    (5, 7, [1, 1, 7, 11, 19]),
+];
+
+/// The first points of the plain sequence, bits reversed (the first digit lowest), as the
+/// scrambling wants them.
+#[derive(Clone, Debug)]
+pub struct Table {
+    points: Vec<[u32; DIMENSIONS]>,
+}
+
+/// What scrambles one dimension: a seed of the hash and a digital shift, both random.
+pub type Scramble = [u32; 2];
+
+impl Table {
+    /// The first `count` points.
+    pub fn new(count: usize) -> Table {
+        let directions: [[u32; 32]; DIMENSIONS] = std::array::from_fn(directions);
+        let point = |index: usize| {
+            std::array::from_fn(|d| {
+                let digits = directions[d].iter().enumerate();
+                let used = digits.filter(|(bit, _)| index >> bit & 1 == 1);
+                used.fold(0u32, |x, (_, direction)| x ^ direction)
+                    .reverse_bits()
+            })
+        };
+        Table {
+            points: (0..count).map(point).collect(),
+        }
+    }
+
+    /// Point `index`, unscrambled and bits reversed; past the end it starts again.
+    #[inline(always)]
+    pub fn reversed(&self, index: usize) -> &[u32; DIMENSIONS] {
+        const ZERO: [u32; DIMENSIONS] = [0; DIMENSIONS];
+        self.points
+            .get(index % self.points.len().max(1))
+            .unwrap_or(&ZERO)
+    }
+}
+
+/// A coordinate in [0, 1) from a reversed one: each digit is flipped by a hash of the digits
+/// above it.
+#[inline(always)]
+pub fn scramble(reversed: u32, [seed, shift]: Scramble) -> f32 {
+    let mut x = reversed;
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    crate::rng::unit(x.reverse_bits() ^ shift)
+}
+
+fn directions(d: usize) -> [u32; 32] {
+    let Some(&(degree, polynomial, first)) = d.checked_sub(1).and_then(|d| JOE_KUO.get(d)) else {
+        return std::array::from_fn(|i| 1 << (31 - i));
+    };
+    let mut v = [0u32; 32];
+    for i in 0..32 {
+        v[i] = if i < degree {
+            first[i] << (31 - i)
+        } else {
+            let feedback = (1..degree).filter(|k| polynomial >> (degree - 1 - k) & 1 == 1);
+            feedback.fold(v[i - degree] ^ (v[i - degree] >> degree), |x, k| {
+                x ^ v[i - k]
+            })
+        };
+    }
+    v
+}

@@ -1,0 +1,44 @@
+//! The rows that a wave moves about.
+
+use crate::surface::Vertex;
+use glam::Vec3;
+
+/// One live path.
+#[derive(Clone, Copy)]
+pub(crate) struct Path {
+    /// Row times paths a row plus path.
+    pub(crate) slot: u32,
+    pub(crate) triangle: u32,
+    pub(crate) barycentrics: [f32; 2],
+    /// Unit direction to where the path came from.
+    pub(crate) viewer: Vec3,
+    /// Product of f cos / pdf.
+    pub(crate) throughput: Vec3,
+    /// Largest channel of the throughput after the first scattering.
+    pub(crate) first: f32,
+    /// Density of the last direction (solid angle) until the ray is traced, then of the vertex
+    /// (area).
+    pub(crate) density: f32,
+}
+
+/// What a point light's own ray met.
+#[derive(Clone, Copy)]
+pub(crate) struct LightVertex {
+    pub(crate) vertex: Vertex,
+    /// Unit direction to the light.
+    pub(crate) toward: Vec3,
+    /// Irradiance at normal incidence from 1 W/sr; zero when nothing was met.
+    pub(crate) falloff: f32,
+    /// Density with respect to area.
+    pub(crate) density: f32,
+}
+
+impl LightVertex {
+    /// The ray met nothing.
+    pub(crate) const NONE: LightVertex = LightVertex {
+        vertex: Vertex::NONE,
+        toward: Vec3::Z,
+        falloff: 0.0,
+        density: 0.0,
+    };
+}

@@ -1,0 +1,169 @@
+//! From a binary tree to nodes of eight children and leaves of eight triangles.
+
+use super::{ABSENT, LEAF, Leaf, Node, WIDTH, Wide};
+use glam::{DVec3, Vec3};
+use obvhs::bvh2::Bvh2;
+use rrf_scene::INVALID;
+
+/// Rounding units of the scene's extent by which boxes are grown: the edge products place a
+/// triangle's border no better than that.
+const PAD: f32 = 16.0 * f32::EPSILON;
+
+impl Wide {
+    /// Collapses `tree`, whose primitive i is the triangle `corners[i]` with scene id `ids[i]`.
+    pub fn new(tree: &Bvh2, corners: &[[Vec3; 3]], ids: &[u32]) -> Wide {
+        let low = corners
+            .iter()
+            .flatten()
+            .fold(Vec3::INFINITY, |low, p| low.min(*p));
+        let high = corners
+            .iter()
+            .flatten()
+            .fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
+        let mut wide = Wide {
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            // Halved before the sum: huge coordinates must not overflow.
+            centre: 0.5 * low + 0.5 * high,
+            depth: 0,
+        };
+        let counts = counts(tree);
+        let source = Source {
+            tree,
+            counts: &counts,
+            corners,
+            ids,
+            centre: wide.centre.as_dvec3(),
+            pad: PAD * (0.5 * high - 0.5 * low).max_element(),
+        };
+        if !tree.nodes.is_empty() {
+            wide.node(&source, &[0], 1);
+        }
+        wide
+    }
+
+    /// Appends a node that holds the subtrees `roots`, and everything below it.
+    fn node(&mut self, source: &Source, roots: &[usize], depth: usize) -> u32 {
+        self.depth = self.depth.max(depth * WIDTH);
+        let children = source.open(roots);
+        let index = self.nodes.len();
+        self.nodes.push(Node {
+            bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
+            child: [ABSENT; WIDTH],
+        });
+        for (lane, &root) in children.iter().enumerate() {
+            let bounds = source.tree.nodes[root].aabb();
+            let child = if source.counts[root] as usize <= WIDTH {
+                self.leaves.push(source.leaf(root));
+                LEAF | (self.leaves.len() as u32 - 1)
+            } else {
+                self.node(source, &[root], depth + 1)
+            };
+            let low = Vec3::from(bounds.min) - self.centre - source.pad;
+            let high = Vec3::from(bounds.max) - self.centre + source.pad;
+            let into = &mut self.nodes[index];
+            into.child[lane] = child;
+            for axis in 0..3 {
+                into.bounds[axis][0][lane] = low[axis];
+                into.bounds[axis][1][lane] = high[axis];
+            }
+        }
+        index as u32
+    }
+}
+
+/// What a collapse reads.
+struct Source<'a> {
+    tree: &'a Bvh2,
+    /// Triangles below each binary node.
+    counts: &'a [u32],
+    corners: &'a [[Vec3; 3]],
+    ids: &'a [u32],
+    centre: DVec3,
+    /// How much boxes are grown on all sides, metres.
+    pad: f32,
+}
+
+impl Source<'_> {
+    /// Up to eight subtrees that together hold `roots`: the largest box is opened first.
+    fn open(&self, roots: &[usize]) -> Vec<usize> {
+        let mut children = roots.to_vec();
+        while children.len() < WIDTH {
+            let area = |&root: &usize| self.tree.nodes[root].aabb().half_area();
+            let widest = children
+                .iter()
+                .enumerate()
+                .filter(|&(_, &root)| {
+                    !self.tree.nodes[root].is_leaf() && self.counts[root] as usize > WIDTH / 2
+                })
+                .max_by(|a, b| area(a.1).total_cmp(&area(b.1)))
+                .map(|(at, _)| at);
+            let Some(at) = widest else { break };
+            let first = self.tree.nodes[children[at]].first_index as usize;
+            children[at] = first;
+            children.insert(at + 1, first + 1);
+        }
+        children
+    }
+
+    /// The triangles of a subtree as one leaf.
+    fn leaf(&self, root: usize) -> Leaf {
+        let mut leaf = Leaf {
+            plane: [[0.0; WIDTH]; 4],
+            edges: [[[0.0; WIDTH]; 6]; 3],
+            ids: [INVALID; WIDTH],
+        };
+        let mut slots = Vec::with_capacity(WIDTH);
+        self.gather(root, &mut slots);
+        for (lane, &slot) in slots.iter().take(WIDTH).enumerate() {
+            leaf.ids[lane] = self.ids[slot];
+            let corners = self.corners[slot].map(|p| p.as_dvec3() - self.centre);
+            let [p0, p1, p2] = corners;
+            let normal = (p1 - p0).cross(p2 - p0).normalize_or_zero();
+            let plane = [normal.x, normal.y, normal.z, normal.dot(p0)];
+            for (row, value) in leaf.plane.iter_mut().zip(plane) {
+                row[lane] = value as f32;
+            }
+            // In f64, where products of corners are exact or nearly: in f32 the moment of a
+            // small triangle would drown in its distance from the origin.
+            for (rows, (a, b)) in leaf.edges.iter_mut().zip([(p1, p2), (p2, p0), (p0, p1)]) {
+                let (along, moment) = (b - a, a.cross(b));
+                let six = [along.x, along.y, along.z, moment.x, moment.y, moment.z];
+                for (row, value) in rows.iter_mut().zip(six) {
+                    row[lane] = value as f32;
+                }
+            }
+        }
+        leaf
+    }
+
+    fn gather(&self, root: usize, slots: &mut Vec<usize>) {
+        let node = &self.tree.nodes[root];
+        if node.is_leaf() {
+            let range = node.first_index..node.first_index + node.prim_count;
+            slots.extend(range.map(|i| self.tree.primitive_indices[i as usize] as usize));
+        } else {
+            self.gather(node.first_index as usize, slots);
+            self.gather(node.first_index as usize + 1, slots);
+        }
+    }
+}
+
+/// Triangles below each node.
+fn counts(tree: &Bvh2) -> Vec<u32> {
+    fn visit(tree: &Bvh2, root: usize, counts: &mut [u32]) -> u32 {
+        let node = &tree.nodes[root];
+        counts[root] = if node.is_leaf() {
+            node.prim_count
+        } else {
+            let first = node.first_index as usize;
+            visit(tree, first, counts) + visit(tree, first + 1, counts)
+        };
+        counts[root]
+    }
+    let mut counts = vec![0; tree.nodes.len()];
+    if !tree.nodes.is_empty() {
+        visit(tree, 0, &mut counts);
+    }
+    counts
+}

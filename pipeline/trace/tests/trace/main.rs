@@ -1,0 +1,15 @@
+//! The tracer against closed forms, brute force, given values and itself.
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod bsdf;
+mod determinism;
+mod estimators;
+mod furnace;
+mod hierarchy;
+mod lamps;
+mod planes;
+mod reference;
+mod refusals;
+mod scenes;
+mod statistics;
+mod surface;
