@@ -4,6 +4,24 @@ use crate::error::TrainError;
 use crate::lm::LmConfig;
 use serde::{Deserialize, Serialize};
 
+/// Weight decay α a residual: α‖w‖² times the number of residuals is added to the loss.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Decay {
+    /// α stays as given.
+    Fixed(f64),
+    /// α starts as given and follows the evidence (see [`crate::evidence`]).
+    Evidence(f64),
+}
+
+impl Decay {
+    /// α at the start.
+    pub fn start(self) -> f64 {
+        match self {
+            Decay::Fixed(alpha) | Decay::Evidence(alpha) => alpha,
+        }
+    }
+}
+
 /// How cells are fitted; written whole into a run's manifest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrainConfig {
@@ -23,8 +41,8 @@ pub struct TrainConfig {
     pub epsilon: f64,
     /// Mean luminance of the whole data set, W·sr⁻¹·m⁻²; without it the cell's own.
     pub mean_luminance: Option<f32>,
-    /// Weight decay α a residual: α‖w‖² times the number of residuals is added to the loss.
-    pub alpha: f64,
+    /// Weight decay.
+    pub decay: Decay,
     /// Most iterations of a fit.
     pub iterations: usize,
     /// Iterations without a better validation error after which a fit stops.
@@ -61,7 +79,7 @@ impl Default for TrainConfig {
             relative: true,
             epsilon: 0.05,
             mean_luminance: None,
-            alpha: 1e-9,
+            decay: Decay::Evidence(1e-6),
             iterations: 60,
             patience: 15,
             lm: LmConfig::default(),
@@ -83,9 +101,9 @@ impl TrainConfig {
                 "at least 0",
             ),
             (
-                "alpha",
-                self.alpha,
-                self.alpha >= 0.0 && self.alpha.is_finite(),
+                "decay",
+                self.decay.start(),
+                self.decay.start() >= 0.0 && self.decay.start().is_finite(),
                 "at least 0",
             ),
             ("lm.tau", self.lm.tau, positive(self.lm.tau), "positive"),

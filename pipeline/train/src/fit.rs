@@ -1,6 +1,6 @@
 //! One cell's samples in, one cell's model out.
 
-use crate::config::TrainConfig;
+use crate::config::{Decay, TrainConfig};
 use crate::error::TrainError;
 use crate::halves::{self, ErrorEstimate};
 use crate::lm::{Levenberg, Problem, Stop};
@@ -221,6 +221,8 @@ impl<'a> Prepared<'a> {
             iterations: 0,
             stop,
             mu: 0.0,
+            alpha: 0.0,
+            gamma: 0.0,
         };
         none.finish(cell, shape, ended)
     }
@@ -241,7 +243,8 @@ impl<'a> Prepared<'a> {
     fn descend(&self, shape: &Shape, mut w: Vec<f64>, history: &mut Vec<HistoryRow>) -> Ended {
         let config = self.config;
         let residuals = self.train.residuals();
-        let alpha = config.alpha * residuals as f64;
+        let mut alpha = config.decay.start() * residuals as f64;
+        let mut gamma = w.len() as f64;
         let mut problem = NetProblem::new(shape, &self.train, residuals, self.loss);
         let mut judge = self.judge(shape);
         let mut lm = Levenberg::new(w.len(), config.lm);
@@ -259,6 +262,12 @@ impl<'a> Prepared<'a> {
             if iteration % RENEW_JUDGE == 0 {
                 judge.renew(&best.1, problem.target_share());
                 best.0 = judge.error(&best.1).square;
+            }
+            if let (Decay::Evidence(_), 0) = (config.decay, iteration % EVIDENCE) {
+                let n = residuals as f64;
+                if let Some(found) = lm.evidence(alpha, &w, step.data, n) {
+                    (alpha, gamma) = (found.alpha, found.gamma);
+                }
             }
             let validation = judge.error(&w).square;
             history.push(HistoryRow {
@@ -287,6 +296,8 @@ impl<'a> Prepared<'a> {
             iterations: history.len(),
             stop,
             mu: lm.mu,
+            alpha: alpha / residuals.max(1) as f64,
+            gamma,
         }
     }
 
@@ -326,9 +337,9 @@ impl<'a> Prepared<'a> {
             stop: ended.stop,
             train_error,
             validation_error,
-            alpha: self.config.alpha,
+            alpha: ended.alpha,
             mu: ended.mu,
-            effective_parameters: weights.len() as f64,
+            effective_parameters: ended.gamma,
             weights: weights.len(),
             floor: self.floor,
             seconds: 0.0,
@@ -354,6 +365,9 @@ impl<'a> Prepared<'a> {
 
 /// Accepted steps after which the luminances that validation errors are divided by are renewed.
 const RENEW_JUDGE: usize = 10;
+
+/// Accepted steps from one update of the weight decay to the next.
+const EVIDENCE: usize = 4;
 
 /// Tells a net's error over some rows, free of Monte Carlo noise.
 struct Judge<'a> {
@@ -443,6 +457,8 @@ struct Ended {
     iterations: usize,
     stop: Stop,
     mu: f64,
+    alpha: f64,
+    gamma: f64,
 }
 
 /// ε in radiance.

@@ -19,6 +19,7 @@ pub mod blocks;
 pub mod config;
 pub mod dense;
 pub mod error;
+pub mod evidence;
 pub mod fit;
 pub mod gemm;
 pub mod halves;
@@ -29,7 +30,7 @@ pub mod problem;
 pub mod simd;
 pub mod tile;
 
-pub use config::TrainConfig;
+pub use config::{Decay, TrainConfig};
 pub use error::TrainError;
 pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell};
 pub use halves::ErrorEstimate;

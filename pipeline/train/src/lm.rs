@@ -8,6 +8,7 @@
 //! solves (A + α I + μ S) δ = −g and the model promises to lower F by δᵀ(μ S δ − g).
 
 use crate::blocks::Normal;
+use crate::evidence::{self, Evidence};
 use crate::linalg::Cholesky;
 use serde::{Deserialize, Serialize};
 
@@ -230,6 +231,11 @@ impl Levenberg {
             });
         }
         Err(Stop::Damping)
+    }
+
+    /// Weight decay by the evidence, from the normal equations of the last step.
+    pub fn evidence(&mut self, alpha: f64, w: &[f64], data: f64, count: f64) -> Option<Evidence> {
+        evidence::update(&mut self.factor, &self.normal, alpha, w, data, count).ok()
     }
 
     /// Refreshes S, and sets μ at the first step.
