@@ -118,3 +118,127 @@ fn sphere(i: u32) -> Vec3 {
     let r = (1.0 - z * z).sqrt();
     Vec3::new(r * turn.cos(), r * turn.sin(), z)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rrf_scene::{LoadOptions, load};
+    use std::path::Path;
+
+    fn cornell() -> Scene {
+        let file = "../../scenes/cornell-box/scene.pbrt";
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+        load(&path, &LoadOptions::default()).unwrap().unlit()
+    }
+
+    /// Footprint corner and edges of the two boxes, from their vertices in the file, and heights.
+    const BOXES: [([f32; 2], [f32; 2], [f32; 2], f32); 2] = [
+        (
+            [-0.0460751, 0.573007],
+            [0.5790841, 0.173072],
+            [0.1703281, -0.56990235],
+            0.6,
+        ),
+        (
+            [-0.720444, -0.473882],
+            [0.573552, -0.199597],
+            [0.196458, 0.5645313],
+            1.2,
+        ),
+    ];
+
+    /// A grid of places in the room: inside a solid exactly where the boxes' own coordinates,
+    /// solved from their footprints, say so. The walls of this file are wound outward, so that
+    /// the winding alone would call most of the room solid.
+    #[test]
+    fn lights_inside_the_boxes_and_no_others() {
+        let scene = cornell();
+        let tracer = Tracer::new(&scene).unwrap();
+        let lookout = Lookout::new(&scene, &tracer);
+        let inside = |p: Vec3| {
+            BOXES.iter().any(|&(corner, a, b, height)| {
+                let (x, z) = (p.x - corner[0], p.z - corner[1]);
+                let det = a[0] * b[1] - a[1] * b[0];
+                let (s, t) = ((x * b[1] - z * b[0]) / det, (a[0] * z - a[1] * x) / det);
+                (0.0..1.0).contains(&s) && (0.0..1.0).contains(&t) && p.y < height
+            })
+        };
+        let mut solid = 0;
+        for i in 0..13 * 13 * 13 {
+            let at = |k: i32| (k as f32 + 0.5) / 13.0;
+            let p = Vec3::new(
+                2.0 * at(i % 13) - 1.0,
+                2.0 * at(i / 13 % 13),
+                2.0 * at(i / 169) - 1.0,
+            );
+            assert_eq!(lookout.inside_solid(p), inside(p), "{p}");
+            solid += i32::from(inside(p));
+        }
+        assert!(solid > 50, "the grid meets the boxes");
+    }
+
+    #[test]
+    fn sealed_points_blind_points_and_the_rest() {
+        let scene = cornell();
+        let tracer = Tracer::new(&scene).unwrap();
+        let lookout = Lookout::new(&scene, &tracer);
+        let from = |p: [f32; 3], side: Vec3| {
+            lookout.from_surface(&tracer.locate(p.into(), side).unwrap(), side)
+        };
+        assert_eq!(
+            from([0.33, 0.0, 0.37], Vec3::Y),
+            Outlook::InsideSolid,
+            "under the short box"
+        );
+        assert_eq!(
+            from([0.8, 0.0, 0.9], Vec3::Y),
+            Outlook::Open,
+            "the free floor"
+        );
+        assert_eq!(
+            from([0.0, 1.0, -1.0], Vec3::Z),
+            Outlook::Open,
+            "the back wall"
+        );
+        assert_eq!(
+            from([0.0, 1.0, -1.0], Vec3::NEG_Z),
+            Outlook::Nothing,
+            "its outer side"
+        );
+    }
+
+    /// A closed box wound inward in its file is a solid too, unless it is all there is.
+    #[test]
+    fn winding_does_not_decide_what_is_solid() {
+        let mut scene = cornell();
+        let flipped: Vec<usize> = (0..scene.triangles.len())
+            .filter(|&t| {
+                scene.objects[scene.triangle_object[t] as usize].contains("ShortBox")
+                    || scene.materials[scene.triangle_material[t] as usize].name == "ShortBox"
+            })
+            .collect();
+        assert_eq!(flipped.len(), 12);
+        flipped.iter().for_each(|&t| scene.triangles[t].swap(1, 2));
+        let tracer = Tracer::new(&scene).unwrap();
+        let lookout = Lookout::new(&scene, &tracer);
+        assert!(lookout.inside_solid(Vec3::new(0.33, 0.3, 0.37)));
+        assert!(!lookout.inside_solid(Vec3::new(0.33, 0.9, 0.37)));
+        let alone = scene.clone();
+        let room = Scene {
+            triangles: flipped.iter().map(|&t| alone.triangles[t]).collect(),
+            triangle_material: flipped
+                .iter()
+                .map(|&t| alone.triangle_material[t])
+                .collect(),
+            triangle_light: flipped.iter().map(|&t| alone.triangle_light[t]).collect(),
+            triangle_object: flipped.iter().map(|&t| alone.triangle_object[t]).collect(),
+            ..alone
+        };
+        let tracer = Tracer::new(&room).unwrap();
+        let lookout = Lookout::new(&room, &tracer);
+        assert!(
+            !lookout.inside_solid(Vec3::new(0.33, 0.3, 0.37)),
+            "a room, seen from within"
+        );
+    }
+}
