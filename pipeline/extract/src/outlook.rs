@@ -131,8 +131,11 @@ mod tests {
         load(&path, &LoadOptions::default()).unwrap().unlit()
     }
 
+    /// Corner and two edges of a footprint (x, z), and a height.
+    type Solid = ([f32; 2], [f32; 2], [f32; 2], f32);
+
     /// Footprint corner and edges of the two boxes, from their vertices in the file, and heights.
-    const BOXES: [([f32; 2], [f32; 2], [f32; 2], f32); 2] = [
+    const BOXES: [Solid; 2] = [
         (
             [-0.0460751, 0.573007],
             [0.5790841, 0.173072],
