@@ -9,7 +9,7 @@ use crate::estimates::{Estimates, Sampling, same_length};
 use crate::rng::Stream;
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
-use crate::wave::{Part, Row, Source, estimate};
+use crate::wave::{KEEP, Part, Row, Source, estimate};
 use glam::Vec3;
 
 /// What to estimate: parallel columns of one length.
@@ -70,6 +70,7 @@ pub fn indirect_with(
             connect: estimator == Estimator::Connected,
         },
         direct: false,
+        keep: KEEP,
         stream,
     };
     let rows = queries.rows(sampling.replicates, first_index);

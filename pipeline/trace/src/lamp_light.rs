@@ -5,7 +5,7 @@ use crate::estimates::{Estimates, Sampling, same_length};
 use crate::rng::Stream;
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
-use crate::wave::{Part, Row, Source, estimate};
+use crate::wave::{KEEP, Part, Row, Source, estimate};
 use glam::Vec3;
 
 /// How often the light of lamps was reflected before it reached the viewer.
@@ -53,6 +53,7 @@ pub fn lamp_light(
         tracer,
         source: Source::Lamps,
         direct: reflections == Reflections::One,
+        keep: KEEP,
         stream,
     };
     let values = if tracer.lamps.is_empty() {

@@ -12,14 +12,18 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod bsdf;
+mod check;
 mod error;
 mod estimates;
+mod facets;
 mod indirect;
 mod lamp_light;
 mod lamps;
+mod locate;
 mod math;
 mod rays;
 pub mod rng;
+mod shading;
 pub mod sobol;
 mod surface;
 mod tracer;

@@ -3,7 +3,7 @@
 //! Each batch is dispatched once to the widest instruction set that the processor has;
 //! every one of them gives the same bits (no fused operations, no approximations).
 
-use crate::wide::{Stack, Wide};
+use crate::wide::{Found, Stack, Wide};
 use glam::Vec3;
 use multiversion::multiversion;
 
@@ -21,7 +21,7 @@ pub struct Rays {
 /// The closest triangle of each ray: parallel columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hits {
-    /// Scene id of the triangle, or [`INVALID`] for a miss.
+    /// Scene id of the triangle, or [`rrf_scene::INVALID`] for a miss.
     pub triangle: Vec<u32>,
     /// Weights of the second and third corner.
     pub barycentrics: Vec<[f32; 2]>,
@@ -54,34 +54,66 @@ impl Rays {
     pub fn is_empty(&self) -> bool {
         self.origin.is_empty()
     }
+
+    fn rows(&self) -> Vec<Ray> {
+        let columns = self.origin.iter().zip(&self.direction).zip(&self.t_max);
+        columns
+            .map(|((&origin, &direction), &t_max)| Ray {
+                origin,
+                direction,
+                t_max,
+            })
+            .collect()
+    }
 }
 
-impl Hits {
-    /// Forgets all hits and keeps the memory.
-    pub fn clear(&mut self) {
-        self.triangle.clear();
-        self.barycentrics.clear();
-        self.t.clear();
-    }
+/// One ray of a batch that the tracer makes for itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ray {
+    pub(crate) origin: Vec3,
+    pub(crate) direction: Vec3,
+    pub(crate) t_max: f32,
 }
 
 /// The closest triangle of every ray, into `hits`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
-pub(crate) fn closest(wide: &Wide, rays: &Rays, stack: &mut Stack, hits: &mut Hits) {
+pub(crate) fn closest(wide: &Wide, rays: &[Ray], stack: &mut Stack, hits: &mut Vec<Found>) {
     hits.clear();
-    let rows = rays.origin.iter().zip(&rays.direction).zip(&rays.t_max);
-    for ((&origin, &direction), &t_max) in rows {
-        let found = wide.closest(origin, direction, t_max, stack);
-        hits.triangle.push(found.id);
-        hits.barycentrics.push([found.b1, found.b2]);
-        hits.t.push(found.t);
-    }
+    hits.extend(
+        rays.iter()
+            .map(|r| wide.closest(r.origin, r.direction, r.t_max, stack)),
+    );
 }
 
 /// Whether anything lies along each ray, into `blocked`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
-pub(crate) fn occluded(wide: &Wide, rays: &Rays, stack: &mut Stack, blocked: &mut Vec<bool>) {
+pub(crate) fn occluded(wide: &Wide, rays: &[Ray], stack: &mut Stack, blocked: &mut Vec<bool>) {
     blocked.clear();
-    let rows = rays.origin.iter().zip(&rays.direction).zip(&rays.t_max);
-    blocked.extend(rows.map(|((&o, &d), &t)| wide.occluded(o, d, t, stack)));
+    blocked.extend(
+        rays.iter()
+            .map(|r| wide.occluded(r.origin, r.direction, r.t_max, stack)),
+    );
+}
+
+/// [`closest`] on columns.
+pub(crate) fn closest_columns(wide: &Wide, rays: &Rays, stack: &mut Stack, hits: &mut Hits) {
+    let mut found = Vec::new();
+    closest(wide, &rays.rows(), stack, &mut found);
+    hits.triangle.clear();
+    hits.barycentrics.clear();
+    hits.t.clear();
+    hits.triangle.extend(found.iter().map(|f| f.triangle));
+    hits.barycentrics
+        .extend(found.iter().map(|f| f.barycentrics));
+    hits.t.extend(found.iter().map(|f| f.t));
+}
+
+/// [`occluded`] on columns.
+pub(crate) fn occluded_columns(
+    wide: &Wide,
+    rays: &Rays,
+    stack: &mut Stack,
+    blocked: &mut Vec<bool>,
+) {
+    occluded(wide, &rays.rows(), stack, blocked);
 }

@@ -180,7 +180,8 @@ fn connect_lanes<const MIXED: bool>(at: &Vertices, lit: &Lit, out: &mut Contribu
 }
 
 /// Chooses the next direction, and whether the path goes on: it does with probability
-/// `keep` times its throughput relative to the first one (Russian roulette, Arvo and Kirk 1990).
+/// `keep` times its throughput relative to the first one (Russian roulette, Arvo and Kirk 1990); below the normal numbers, whose
+/// products never reach zero, it ends.
 #[inline(always)]
 fn scatter_lanes<const MIXED: bool>(at: &Vertices, draws: &Draws, keep: f32, out: &mut Departures) {
     for i in 0..TILE {
@@ -192,7 +193,7 @@ fn scatter_lanes<const MIXED: bool>(at: &Vertices, draws: &Draws, keep: f32, out
         let survival = (keep * largest / at.first[i]).min(1.0);
         let goes_on = (draws.units[3][i] < survival)
             & (at.surfaces.geometric.get(i).dot(sampled.l) > 0.0)
-            & (largest > 0.0);
+            & (largest >= f32::MIN_POSITIVE);
         out.throughput.set(i, throughput / survival);
         out.origin.set(i, at.surfaces.origin(i));
         out.direction.set(i, sampled.l);

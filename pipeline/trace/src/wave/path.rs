@@ -6,7 +6,11 @@ use glam::Vec3;
 /// One live path.
 #[derive(Clone, Copy)]
 pub(crate) struct Path {
-    /// Row times paths a row plus path.
+    /// Row of the batch.
+    pub(crate) row: u32,
+    /// Number in the row's replicate.
+    pub(crate) number: u32,
+    /// Place among the batch's paths: row times paths a row plus path.
     pub(crate) slot: u32,
     pub(crate) triangle: u32,
     pub(crate) barycentrics: [f32; 2],

@@ -1,5 +1,6 @@
 //! From a binary tree to nodes of eight children and leaves of eight triangles.
 
+use super::plan::Plan;
 use super::{ABSENT, LEAF, Leaf, Node, WIDTH, Wide};
 use glam::{DVec3, Vec3};
 use obvhs::bvh2::Bvh2;
@@ -27,25 +28,26 @@ impl Wide {
             centre: 0.5 * low + 0.5 * high,
             depth: 0,
         };
-        let counts = counts(tree);
+        let plan = Plan::new(tree);
         let source = Source {
             tree,
-            counts: &counts,
+            plan: &plan,
             corners,
             ids,
             centre: wide.centre.as_dvec3(),
             pad: PAD * (0.5 * high - 0.5 * low).max_element(),
         };
         if !tree.nodes.is_empty() {
-            wide.node(&source, &[0], 1);
+            wide.node(&source, 0, 1);
         }
         wide
     }
 
-    /// Appends a node that holds the subtrees `roots`, and everything below it.
-    fn node(&mut self, source: &Source, roots: &[usize], depth: usize) -> u32 {
+    /// Appends a node for the subtree `root`, and everything below it.
+    fn node(&mut self, source: &Source, root: usize, depth: usize) -> u32 {
         self.depth = self.depth.max(depth * WIDTH);
-        let children = source.open(roots);
+        let mut children = Vec::with_capacity(WIDTH);
+        source.plan.open(source.tree, root, &mut children);
         let index = self.nodes.len();
         self.nodes.push(Node {
             bounds: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
@@ -53,11 +55,11 @@ impl Wide {
         });
         for (lane, &root) in children.iter().enumerate() {
             let bounds = source.tree.nodes[root].aabb();
-            let child = if source.counts[root] as usize <= WIDTH {
+            let child = if source.plan.is_leaf(root) {
                 self.leaves.push(source.leaf(root));
                 LEAF | (self.leaves.len() as u32 - 1)
             } else {
-                self.node(source, &[root], depth + 1)
+                self.node(source, root, depth + 1)
             };
             let low = Vec3::from(bounds.min) - self.centre - source.pad;
             let high = Vec3::from(bounds.max) - self.centre + source.pad;
@@ -75,8 +77,7 @@ impl Wide {
 /// What a collapse reads.
 struct Source<'a> {
     tree: &'a Bvh2,
-    /// Triangles below each binary node.
-    counts: &'a [u32],
+    plan: &'a Plan,
     corners: &'a [[Vec3; 3]],
     ids: &'a [u32],
     centre: DVec3,
@@ -85,27 +86,6 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Up to eight subtrees that together hold `roots`: the largest box is opened first.
-    fn open(&self, roots: &[usize]) -> Vec<usize> {
-        let mut children = roots.to_vec();
-        while children.len() < WIDTH {
-            let area = |&root: &usize| self.tree.nodes[root].aabb().half_area();
-            let widest = children
-                .iter()
-                .enumerate()
-                .filter(|&(_, &root)| {
-                    !self.tree.nodes[root].is_leaf() && self.counts[root] as usize > WIDTH / 2
-                })
-                .max_by(|a, b| area(a.1).total_cmp(&area(b.1)))
-                .map(|(at, _)| at);
-            let Some(at) = widest else { break };
-            let first = self.tree.nodes[children[at]].first_index as usize;
-            children[at] = first;
-            children.insert(at + 1, first + 1);
-        }
-        children
-    }
-
     /// The triangles of a subtree as one leaf.
     fn leaf(&self, root: usize) -> Leaf {
         let mut leaf = Leaf {
@@ -147,23 +127,4 @@ impl Source<'_> {
             self.gather(node.first_index as usize + 1, slots);
         }
     }
-}
-
-/// Triangles below each node.
-fn counts(tree: &Bvh2) -> Vec<u32> {
-    fn visit(tree: &Bvh2, root: usize, counts: &mut [u32]) -> u32 {
-        let node = &tree.nodes[root];
-        counts[root] = if node.is_leaf() {
-            node.prim_count
-        } else {
-            let first = node.first_index as usize;
-            visit(tree, first, counts) + visit(tree, first + 1, counts)
-        };
-        counts[root]
-    }
-    let mut counts = vec![0; tree.nodes.len()];
-    if !tree.nodes.is_empty() {
-        visit(tree, 0, &mut counts);
-    }
-    counts
 }

@@ -8,6 +8,7 @@
 //! same bits.
 
 mod collapse;
+mod plan;
 
 use glam::Vec3;
 use rrf_scene::INVALID;
@@ -62,10 +63,9 @@ pub struct Wide {
 /// second and third corner.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
-    pub id: u32,
+    pub triangle: u32,
     pub t: f32,
-    pub b1: f32,
-    pub b2: f32,
+    pub barycentrics: [f32; 2],
 }
 
 /// A ray with what the tests of one traversal share.
@@ -104,10 +104,9 @@ impl Wide {
     pub fn closest(&self, origin: Vec3, direction: Vec3, t_max: f32, stack: &mut Stack) -> Found {
         let ray = Prepared::new(origin - self.centre, direction);
         let mut found = Found {
-            id: INVALID,
+            triangle: INVALID,
             t: t_max,
-            b1: 0.0,
-            b2: 0.0,
+            barycentrics: [0.0; 2],
         };
         stack.clear();
         stack.push((0, 0.0));
@@ -179,26 +178,22 @@ impl Node {
     /// Bit mask of the children whose box the ray enters in [0, t_max], and where.
     #[inline(always)]
     fn enter(&self, ray: &Prepared, t_max: f32) -> (u32, Lanes) {
-        let [nx, ny, nz] = ray.near;
-        let (x, y, z) = (&self.bounds[0], &self.bounds[1], &self.bounds[2]);
-        let (near_x, far_x) = (&x[nx], &x[1 - nx]);
-        let (near_y, far_y) = (&y[ny], &y[1 - ny]);
-        let (near_z, far_z) = (&z[nz], &z[1 - nz]);
-        let [ox, oy, oz] = ray.origin;
-        let [ix, iy, iz] = ray.inverse;
         let mut entries = [0.0; WIDTH];
+        let mut exits = [t_max; WIDTH];
+        for axis in 0..3 {
+            let near = ray.near[axis] & 1;
+            let (o, inverse) = (ray.origin[axis], ray.inverse[axis]);
+            let (enter, leave) = (&self.bounds[axis][near], &self.bounds[axis][1 - near]);
+            for i in 0..WIDTH {
+                entries[i] = max((enter[i] - o) * inverse, entries[i]);
+            }
+            for i in 0..WIDTH {
+                exits[i] = min((leave[i] - o) * inverse, exits[i]);
+            }
+        }
         let mut mask = 0;
         for i in 0..WIDTH {
-            let enter = max(
-                max((near_x[i] - ox) * ix, (near_y[i] - oy) * iy),
-                max((near_z[i] - oz) * iz, 0.0),
-            );
-            let leave = min(
-                min((far_x[i] - ox) * ix, (far_y[i] - oy) * iy),
-                min((far_z[i] - oz) * iz, t_max),
-            );
-            entries[i] = enter;
-            mask |= u32::from(enter <= leave * FAR_SLACK) << i;
+            mask |= u32::from(entries[i] <= exits[i] * FAR_SLACK) << i;
         }
         (mask, entries)
     }
@@ -242,10 +237,9 @@ impl Leaf {
                 let sum = sides[0][lane] + sides[1][lane] + sides[2][lane];
                 let scale = if sum == 0.0 { 0.0 } else { 1.0 / sum };
                 *found = Found {
-                    id: self.ids[lane],
+                    triangle: self.ids[lane],
                     t: t[lane],
-                    b1: sides[1][lane] * scale,
-                    b2: sides[2][lane] * scale,
+                    barycentrics: [sides[1][lane] * scale, sides[2][lane] * scale],
                 };
             }
         }

@@ -1,0 +1,169 @@
+//! One bounce of all live paths: rows into tiles, kernels, and what they give into rays.
+
+use super::Source;
+use super::kernels;
+use super::path::Path;
+use super::random;
+use super::run::{Batch, Wave};
+use super::tile::TILE;
+use crate::rays::Ray;
+use glam::Vec3;
+
+impl Wave {
+    /// Shades all live paths: fills the shadow rays and the next rays.
+    pub(super) fn shade(&mut self, batch: &Batch, bounce: u32) {
+        self.shadows.clear();
+        self.arriving.clear();
+        self.rays.clear();
+        self.next.clear();
+        for first in (0..self.paths.len()).step_by(TILE) {
+            let lanes = TILE.min(self.paths.len() - first);
+            self.load(batch, first, lanes);
+            self.light(batch, bounce, first, lanes);
+            self.scatter(batch, bounce, first, lanes);
+        }
+    }
+
+    /// Copies the rows of a tile into its columns.
+    fn load(&mut self, batch: &Batch, first: usize, lanes: usize) {
+        let tracer = batch.part.tracer;
+        let paths = batch.replicate_paths as u32;
+        for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
+            let row = batch.row(path);
+            let vertex = tracer.vertex(path.triangle, path.barycentrics, path.viewer);
+            self.vertices.surfaces.set(i, &vertex);
+            self.vertices.viewer.set(i, path.viewer);
+            self.vertices.throughput.set(i, path.throughput);
+            self.vertices.first[i] = path.first;
+            self.vertices.density[i] = path.density;
+            self.vertices.light.set(i, row.light);
+            let number = row.replicate.wrapping_mul(paths).wrapping_add(path.number);
+            self.draws.name(i, row.index, number);
+        }
+    }
+
+    /// Light that arrives at a tile.
+    fn light(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
+        let mixed = batch.part.tracer.mixed;
+        let counts = bounce >= batch.first_lit();
+        match batch.part.source {
+            Source::Point { connect } => {
+                if counts {
+                    let (at, out) = (&self.vertices, &mut self.contributions);
+                    kernels::next_event(mixed, at, connect, out);
+                    self.queue_shadows(first, lanes);
+                }
+                if connect {
+                    self.load_light_vertices(first, lanes);
+                    let (at, out) = (&self.vertices, &mut self.contributions);
+                    kernels::connect(mixed, at, &self.lit, out);
+                    self.queue_shadows(first, lanes);
+                }
+            }
+            Source::Lamps if counts => {
+                self.load_lamps(batch, bounce, first, lanes);
+                let (at, out) = (&self.vertices, &mut self.contributions);
+                kernels::next_lamp(mixed, at, &self.lamps, out);
+                self.queue_shadows(first, lanes);
+            }
+            Source::Lamps => {}
+        }
+    }
+
+    /// Copies the light vertices of a tile's paths into its columns.
+    fn load_light_vertices(&mut self, first: usize, lanes: usize) {
+        for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
+            let lit = &self.light_vertices[path.slot as usize];
+            self.lit.surfaces.set(i, &lit.vertex);
+            self.lit.toward.set(i, lit.toward);
+            self.lit.falloff[i] = lit.falloff;
+            self.lit.density[i] = lit.density;
+        }
+    }
+
+    /// Chooses a point on a lamp for every path of a tile.
+    fn load_lamps(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
+        let tracer = batch.part.tracer;
+        let block = random::LAMP_BLOCKS + bounce;
+        random::independent(&mut self.draws, batch.part.stream, block);
+        if bounce == batch.first_lit() {
+            self.stratify(batch, random::LIGHT, first, lanes);
+        }
+        for i in 0..lanes {
+            let u = [0, 1, 2].map(|d| self.draws.units[d][i]);
+            let Some(at) = tracer.lamps.sample(u) else {
+                self.lamps.radiance.set(i, Vec3::ZERO);
+                continue;
+            };
+            let point = tracer.point(at.triangle, at.barycentrics);
+            let toward = self.vertices.surfaces.position.get(i) - point.position;
+            let front = point.normal.dot(toward) > 0.0;
+            let normal = if front { point.normal } else { -point.normal };
+            self.lamps.position.set(i, point.position);
+            self.lamps.normal.set(i, normal);
+            self.lamps.lift[i] = tracer.facets[at.triangle as usize].lift;
+            self.lamps.radiance.set(i, tracer.emission(&point, toward));
+            self.lamps.density[i] = tracer.lamps.density(at.triangle);
+        }
+    }
+
+    /// Draws three dimensions of the Sobol points of a tile's paths.
+    pub(super) fn stratify(&mut self, batch: &Batch, dimension: usize, first: usize, lanes: usize) {
+        for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
+            let point = batch.table.reversed(path.number as usize);
+            let scrambles = &self.scrambles[path.row as usize];
+            self.draws.stratify(i, point, scrambles, dimension);
+        }
+        random::stratified(&mut self.draws);
+    }
+
+    /// Keeps the contributions that are not zero.
+    fn queue_shadows(&mut self, first: usize, lanes: usize) {
+        for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
+            let value = self.contributions.value.get(i);
+            if value != Vec3::ZERO {
+                self.arriving.push((path.slot, value));
+                self.shadows.push(Ray {
+                    origin: self.contributions.origin.get(i),
+                    direction: self.contributions.direction.get(i),
+                    t_max: 1.0,
+                });
+            }
+        }
+    }
+
+    /// Chooses where the paths of a tile go, and keeps those that go on.
+    fn scatter(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
+        random::independent(&mut self.draws, batch.part.stream, bounce);
+        if (bounce as usize) < random::STRATIFIED {
+            self.stratify(batch, 3 * bounce as usize, first, lanes);
+        }
+        let keep = if bounce == 0 {
+            f32::INFINITY
+        } else {
+            batch.part.keep
+        };
+        let (mixed, at) = (batch.part.tracer.mixed, &self.vertices);
+        kernels::scatter(mixed, at, &self.draws, keep, &mut self.departures);
+        for (i, before) in self.paths[first..first + lanes].iter().enumerate() {
+            let density = self.departures.density[i];
+            if density > 0.0 {
+                let direction = self.departures.direction.get(i);
+                let throughput = self.departures.throughput.get(i);
+                let largest = throughput.max_element();
+                self.rays.push(Ray {
+                    origin: self.departures.origin.get(i),
+                    direction,
+                    t_max: f32::INFINITY,
+                });
+                self.next.push(Path {
+                    viewer: -direction,
+                    throughput,
+                    first: if bounce == 0 { largest } else { before.first },
+                    density,
+                    ..*before
+                });
+            }
+        }
+    }
+}
