@@ -5,7 +5,7 @@
 //! point light shines, direct light left out; [`lamp_light`] what they send when the scene's own
 //! lamps shine.
 //! Paths travel in waves over columns (`wave`); their rays walk an eight-wide hierarchy
-//! (`wide`); surfaces scatter by [`bsdf`]. Random numbers are a function of indices
+//! (`walk`); surfaces scatter by [`bsdf`]. Random numbers are a function of indices
 //! ([`Stream`]), so that any part of any result can be made again alone, on any number of
 //! threads.
 
@@ -27,8 +27,8 @@ mod shading;
 pub mod sobol;
 mod surface;
 mod tracer;
+mod walk;
 mod wave;
-mod wide;
 
 pub use error::TraceError;
 pub use estimates::{Estimates, Sampling};

@@ -3,7 +3,7 @@
 //! Each batch is dispatched once to the widest instruction set that the processor has;
 //! every one of them gives the same bits (no fused operations, no approximations).
 
-use crate::wide::{Found, Stack, Wide};
+use crate::walk::{Found, Stack, Wide};
 use glam::Vec3;
 use multiversion::multiversion;
 
@@ -79,20 +79,14 @@ pub(crate) struct Ray {
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
 pub(crate) fn closest(wide: &Wide, rays: &[Ray], stack: &mut Stack, hits: &mut Vec<Found>) {
     hits.clear();
-    hits.extend(
-        rays.iter()
-            .map(|r| wide.closest(r.origin, r.direction, r.t_max, stack)),
-    );
+    wide.closest_of(rays, stack, hits);
 }
 
 /// Whether anything lies along each ray, into `blocked`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
 pub(crate) fn occluded(wide: &Wide, rays: &[Ray], stack: &mut Stack, blocked: &mut Vec<bool>) {
     blocked.clear();
-    blocked.extend(
-        rays.iter()
-            .map(|r| wide.occluded(r.origin, r.direction, r.t_max, stack)),
-    );
+    wide.occluded_of(rays, stack, blocked);
 }
 
 /// [`closest`] on columns.

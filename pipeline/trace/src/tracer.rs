@@ -6,7 +6,7 @@ use crate::check::check;
 use crate::facets::{Facet, constants};
 use crate::lamps::Lamps;
 use crate::rays::{self, Hits, Rays};
-use crate::wide::Wide;
+use crate::walk::Wide;
 use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;

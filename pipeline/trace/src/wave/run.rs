@@ -9,7 +9,7 @@ use crate::lamps;
 use crate::rays::{self, Ray};
 use crate::sobol::{DIMENSIONS, Scramble, Table};
 use crate::tracer::Tracer;
-use crate::wide::{Found, Stack};
+use crate::walk::{Found, Stack};
 use glam::Vec3;
 use rrf_scene::INVALID;
 

@@ -1,5 +1,7 @@
 //! From a binary tree to nodes of eight children and leaves of eight triangles.
 
+use super::edges::Edges;
+use super::flat::{self, Flat};
 use super::plan::Plan;
 use super::{ABSENT, LEAF, Leaf, Node, WIDTH, Wide};
 use glam::{DVec3, Vec3};
@@ -27,7 +29,11 @@ impl Wide {
             // Halved before the sum: huge coordinates must not overflow.
             centre: 0.5 * low + 0.5 * high,
             depth: 0,
+            flat: None,
         };
+        if corners.len() <= flat::MOST {
+            wide.flat = Some(Flat::new(corners, ids, wide.centre));
+        }
         let plan = Plan::new(tree);
         let source = Source {
             tree,
@@ -97,21 +103,13 @@ impl Source<'_> {
         self.gather(root, &mut slots);
         for (lane, &slot) in slots.iter().take(WIDTH).enumerate() {
             leaf.ids[lane] = self.ids[slot];
-            let corners = self.corners[slot].map(|p| p.as_dvec3() - self.centre);
-            let [p0, p1, p2] = corners;
-            let normal = (p1 - p0).cross(p2 - p0).normalize_or_zero();
-            let plane = [normal.x, normal.y, normal.z, normal.dot(p0)];
-            for (row, value) in leaf.plane.iter_mut().zip(plane) {
-                row[lane] = value as f32;
+            let edges = Edges::new(self.corners[slot], self.centre);
+            for (row, value) in leaf.plane.iter_mut().zip(edges.plane) {
+                row[lane] = value;
             }
-            // In f64, where products of corners are exact or nearly: in f32 the moment of a
-            // small triangle would drown in its distance from the origin.
-            for (rows, (a, b)) in leaf.edges.iter_mut().zip([(p1, p2), (p2, p0), (p0, p1)]) {
-                let (along, moment) = (b - a, a.cross(b));
-                let six = [along.x, along.y, along.z, moment.x, moment.y, moment.z];
-                for (row, value) in rows.iter_mut().zip(six) {
-                    row[lane] = value as f32;
-                }
+            let rows = leaf.edges.iter_mut().flatten();
+            for (row, value) in rows.zip(edges.edges.iter().flatten()) {
+                row[lane] = *value;
             }
         }
         leaf

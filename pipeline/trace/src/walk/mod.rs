@@ -8,8 +8,13 @@
 //! same bits.
 
 mod collapse;
+mod edges;
+mod flat;
 mod plan;
 
+use crate::rays::Ray;
+use edges::{Edges, Line, barycentrics, max, min};
+use flat::Flat;
 use glam::Vec3;
 use rrf_scene::INVALID;
 
@@ -57,6 +62,8 @@ pub struct Wide {
     centre: Vec3,
     /// Child references that can wait at once.
     depth: usize,
+    /// A small scene's faster way.
+    flat: Option<Flat>,
 }
 
 /// What a ray met: the scene id ([`INVALID`] for nothing), distance and barycentrics of the
@@ -68,13 +75,10 @@ pub struct Found {
     pub barycentrics: [f32; 2],
 }
 
-/// A ray with what the tests of one traversal share.
+/// A ray with what the box tests share.
 #[derive(Clone, Copy)]
 struct Prepared {
-    origin: [f32; 3],
-    direction: [f32; 3],
-    /// origin x direction.
-    moment: [f32; 3],
+    line: Line,
     inverse: [f32; 3],
     /// Which bound of an axis the ray meets first: 1 when it runs downwards.
     near: [usize; 3],
@@ -86,12 +90,10 @@ pub type Stack = Vec<(u32, f32)>;
 impl Prepared {
     #[inline(always)]
     fn new(o: Vec3, d: Vec3) -> Prepared {
-        let direction = d.to_array();
-        let inverse = direction.map(|c| 1.0 / if c.abs() < TINY { TINY.copysign(c) } else { c });
+        let nonzero = |c: f32| if c.abs() < TINY { TINY.copysign(c) } else { c };
+        let inverse = d.to_array().map(|c| 1.0 / nonzero(c));
         Prepared {
-            origin: o.to_array(),
-            direction,
-            moment: o.cross(d).to_array(),
+            line: Line::new(o, d),
             inverse,
             near: inverse.map(|i| usize::from(i < 0.0)),
         }
@@ -99,10 +101,29 @@ impl Prepared {
 }
 
 impl Wide {
+    /// The closest triangle with 0 < t < t_max of every ray, appended to `hits`.
+    #[inline(always)]
+    pub fn closest_of(&self, rays: &[Ray], stack: &mut Stack, hits: &mut Vec<Found>) {
+        match &self.flat {
+            Some(flat) => flat.closest(rays, hits),
+            None => hits.extend(rays.iter().map(|ray| self.closest(ray, stack))),
+        }
+    }
+
+    /// Whether any triangle has 0 < t < t_max, for every ray, appended to `blocked`.
+    #[inline(always)]
+    pub fn occluded_of(&self, rays: &[Ray], stack: &mut Stack, blocked: &mut Vec<bool>) {
+        match &self.flat {
+            Some(flat) => flat.occluded(rays, blocked),
+            None => blocked.extend(rays.iter().map(|ray| self.occluded(ray, stack))),
+        }
+    }
+
     /// The closest triangle with 0 < t < `t_max`.
     #[inline(always)]
-    pub fn closest(&self, origin: Vec3, direction: Vec3, t_max: f32, stack: &mut Stack) -> Found {
-        let ray = Prepared::new(origin - self.centre, direction);
+    fn closest(&self, ray: &Ray, stack: &mut Stack) -> Found {
+        let t_max = ray.t_max;
+        let ray = Prepared::new(ray.origin - self.centre, ray.direction);
         let mut found = Found {
             triangle: INVALID,
             t: t_max,
@@ -116,7 +137,7 @@ impl Wide {
             }
             if child & LEAF != 0 {
                 if let Some(leaf) = self.leaves.get((child ^ LEAF) as usize) {
-                    leaf.closest(&ray, &mut found);
+                    leaf.closest(&ray.line, &mut found);
                 }
             } else if let Some(node) = self.nodes.get(child as usize) {
                 let (mask, entries) = node.enter(&ray, found.t);
@@ -128,14 +149,15 @@ impl Wide {
 
     /// Whether any triangle has 0 < t < `t_max`.
     #[inline(always)]
-    pub fn occluded(&self, origin: Vec3, direction: Vec3, t_max: f32, stack: &mut Stack) -> bool {
-        let ray = Prepared::new(origin - self.centre, direction);
+    fn occluded(&self, ray: &Ray, stack: &mut Stack) -> bool {
+        let t_max = ray.t_max;
+        let ray = Prepared::new(ray.origin - self.centre, ray.direction);
         stack.clear();
         stack.push((0, 0.0));
         while let Some((child, _)) = stack.pop() {
             if child & LEAF != 0 {
                 let leaf = self.leaves.get((child ^ LEAF) as usize);
-                if leaf.is_some_and(|leaf| leaf.test(&ray, t_max).0 != 0) {
+                if leaf.is_some_and(|leaf| leaf.test(&ray.line, t_max).0 != 0) {
                     return true;
                 }
             } else if let Some(node) = self.nodes.get(child as usize) {
@@ -182,7 +204,7 @@ impl Node {
         let mut exits = [t_max; WIDTH];
         for axis in 0..3 {
             let near = ray.near[axis] & 1;
-            let (o, inverse) = (ray.origin[axis], ray.inverse[axis]);
+            let (o, inverse) = (ray.line.origin[axis], ray.inverse[axis]);
             let (enter, leave) = (&self.bounds[axis][near], &self.bounds[axis][1 - near]);
             for i in 0..WIDTH {
                 entries[i] = max((enter[i] - o) * inverse, entries[i]);
@@ -200,58 +222,48 @@ impl Node {
 }
 
 impl Leaf {
-    /// Bit mask of the triangles hit with 0 < t < t_max, where, and the edge products.
     #[inline(always)]
-    fn test(&self, ray: &Prepared, t_max: f32) -> (u32, Lanes, [Lanes; 3]) {
-        let [ox, oy, oz] = ray.origin;
-        let [dx, dy, dz] = ray.direction;
-        let [mx, my, mz] = ray.moment;
+    fn triangle(&self, lane: usize) -> Edges {
+        Edges {
+            plane: self.plane.each_ref().map(|row| row[lane]),
+            edges: self
+                .edges
+                .each_ref()
+                .map(|edge| edge.each_ref().map(|row| row[lane])),
+        }
+    }
+
+    /// Bit mask of the triangles hit with 0 < t < t_max, where, and the corners' weights.
+    #[inline(always)]
+    fn test(&self, line: &Line, t_max: f32) -> (u32, Lanes, [Lanes; 3]) {
         let mut t = [0.0; WIDTH];
-        let mut sides = [[0.0; WIDTH]; 3];
+        let mut weights = [[0.0; WIDTH]; 3];
         let mut mask = 0;
         for i in 0..WIDTH {
-            for (side, edge) in sides.iter_mut().zip(&self.edges) {
-                side[i] = (edge[0][i] * mx + edge[1][i] * my + edge[2][i] * mz)
-                    + (edge[3][i] * dx + edge[4][i] * dy + edge[5][i] * dz);
+            let met = self.triangle(i).meet(line);
+            t[i] = met.t;
+            for (row, weight) in weights.iter_mut().zip(met.weights) {
+                row[i] = weight;
             }
-            let [nx, ny, nz, c] = &self.plane;
-            let slope = nx[i] * dx + ny[i] * dy + nz[i] * dz;
-            t[i] = (c[i] - (nx[i] * ox + ny[i] * oy + nz[i] * oz)) / slope;
-            let low = min(min(sides[0][i], sides[1][i]), sides[2][i]);
-            let high = max(max(sides[0][i], sides[1][i]), sides[2][i]);
-            let inside = (low >= 0.0) | (high <= 0.0);
-            let within = (t[i] > 0.0) & (t[i] < t_max);
-            mask |= u32::from(inside & within) << i;
+            mask |= u32::from(met.inside & (met.t > 0.0) & (met.t < t_max)) << i;
         }
-        (mask, t, sides)
+        (mask, t, weights)
     }
 
     /// Keeps the closest triangle in `found`.
     #[inline(always)]
-    fn closest(&self, ray: &Prepared, found: &mut Found) {
-        let (mut mask, t, sides) = self.test(ray, found.t);
+    fn closest(&self, line: &Line, found: &mut Found) {
+        let (mut mask, t, weights) = self.test(line, found.t);
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
             mask &= mask - 1;
             if t[lane] < found.t {
-                let sum = sides[0][lane] + sides[1][lane] + sides[2][lane];
-                let scale = if sum == 0.0 { 0.0 } else { 1.0 / sum };
                 *found = Found {
                     triangle: self.ids[lane],
                     t: t[lane],
-                    barycentrics: [sides[1][lane] * scale, sides[2][lane] * scale],
+                    barycentrics: barycentrics(weights.map(|row| row[lane])),
                 };
             }
         }
     }
-}
-
-#[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
