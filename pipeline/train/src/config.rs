@@ -43,9 +43,17 @@ pub struct TrainConfig {
     pub mean_luminance: Option<f32>,
     /// Weight decay.
     pub decay: Decay,
-    /// Most iterations of a fit.
+    /// Nets that start from different first weights; a power of two. The better half goes on at
+    /// each rung.
+    pub starts: usize,
+    /// Legs on a part of the rows before the one on all: the last on half of them, the one
+    /// before on a quarter, and so on.
+    pub rungs: usize,
+    /// Steps of each of these.
+    pub rung_steps: usize,
+    /// Most steps on all rows.
     pub iterations: usize,
-    /// Iterations without a better validation error after which a fit stops.
+    /// Steps without a better validation error after which a fit stops.
     pub patience: usize,
     /// How to step.
     pub lm: LmConfig,
@@ -80,8 +88,11 @@ impl Default for TrainConfig {
             epsilon: 0.05,
             mean_luminance: None,
             decay: Decay::Evidence(1e-6),
+            starts: 1,
+            rungs: 0,
+            rung_steps: 5,
             iterations: 60,
-            patience: 15,
+            patience: 6,
             lm: LmConfig::default(),
         }
     }

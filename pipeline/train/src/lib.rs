@@ -16,17 +16,22 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod blocks;
+mod cell;
 pub mod config;
 pub mod dense;
+mod descent;
 pub mod error;
 pub mod evidence;
 pub mod fit;
 pub mod gemm;
 pub mod halves;
+mod judge;
 pub mod linalg;
 pub mod lm;
 pub mod prepare;
 pub mod problem;
+pub mod rows;
+mod search;
 pub mod simd;
 pub mod tile;
 

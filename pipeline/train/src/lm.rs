@@ -233,9 +233,23 @@ impl Levenberg {
         Err(Stop::Damping)
     }
 
+    /// Follows a change in the number of residuals.
+    pub fn rescale_damping(&mut self, times: f64) {
+        self.mu *= times;
+        self.largest *= times;
+    }
+
     /// Weight decay by the evidence, from the normal equations of the last step.
-    pub fn evidence(&mut self, alpha: f64, w: &[f64], data: f64, count: f64) -> Option<Evidence> {
-        evidence::update(&mut self.factor, &self.normal, alpha, w, data, count).ok()
+    pub fn evidence(
+        &mut self,
+        alpha: f64,
+        w: &[f64],
+        data: f64,
+        residuals: f64,
+        overcount: f64,
+    ) -> Option<Evidence> {
+        let (factor, normal) = (&mut self.factor, &self.normal);
+        evidence::update(factor, normal, alpha, w, data, residuals, overcount).ok()
     }
 
     /// Refreshes S, and sets μ at the first step.

@@ -47,8 +47,8 @@ impl Loss {
 }
 
 /// A net of one shape on some rows.
-pub struct NetProblem<'a, R: Rows> {
-    rows: &'a R,
+pub struct NetProblem<R: Rows> {
+    rows: R,
     loss: Loss,
     tile: Tile,
     sums: Accumulator,
@@ -58,12 +58,14 @@ pub struct NetProblem<'a, R: Rows> {
     /// ω of [`Loss::Relative`].
     share: f64,
     residuals: f64,
+    /// No divisor has been set yet.
+    fresh: bool,
 }
 
-impl<'a, R: Rows> NetProblem<'a, R> {
+impl<R: Rows> NetProblem<R> {
     /// A net of `shape` on `rows`, of which `residuals` values count; the first linearisation
     /// divides by the targets' luminance.
-    pub fn new(shape: &Shape, rows: &'a R, residuals: usize, loss: Loss) -> NetProblem<'a, R> {
+    pub fn new(shape: &Shape, rows: R, residuals: usize, loss: Loss) -> NetProblem<R> {
         let tile = Tile::new(shape);
         NetProblem {
             sums: Accumulator::new(&tile),
@@ -73,6 +75,7 @@ impl<'a, R: Rows> NetProblem<'a, R> {
             loss,
             parameters: shape.weights(),
             share: 1.0,
+            fresh: true,
             residuals: residuals.max(1) as f64,
         }
     }
@@ -100,7 +103,9 @@ impl<'a, R: Rows> NetProblem<'a, R> {
         if let Loss::Relative { floor, .. } = self.loss {
             let luminance = self.tile.luminance(self.share);
             for (d, l) in self.divisor[first..].iter_mut().zip(luminance) {
-                *d = 1.0 / l.max(floor);
+                // Halfway from the last: a full change makes bright and dark rows take turns.
+                let last = if self.fresh { l.max(floor) } else { 1.0 / *d };
+                *d = 1.0 / (0.5 * (l.max(floor) + last));
             }
         }
     }
@@ -113,7 +118,7 @@ impl<'a, R: Rows> NetProblem<'a, R> {
     }
 }
 
-impl<R: Rows> Problem for NetProblem<'_, R> {
+impl<R: Rows> Problem for NetProblem<R> {
     fn parameters(&self) -> usize {
         self.parameters
     }
@@ -140,6 +145,7 @@ impl<R: Rows> Problem for NetProblem<'_, R> {
             self.sums.add(&self.tile);
         }
         self.sums.finish(normal);
+        self.fresh = false;
         self.reweigh(sum);
         sum
     }

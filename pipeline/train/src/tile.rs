@@ -61,6 +61,16 @@ pub trait Rows {
     fn load(&self, first: usize, batch: &mut Batch);
 }
 
+impl<R: Rows> Rows for &R {
+    fn len(&self) -> usize {
+        (*self).len()
+    }
+
+    fn load(&self, first: usize, batch: &mut Batch) {
+        (*self).load(first, batch);
+    }
+}
+
 /// What one tile's passes leave behind.
 pub struct Tile {
     pub(crate) sizes: Vec<usize>,
