@@ -89,8 +89,9 @@ impl<'a> Descent<'a> {
         self.w.clone_from(&self.best);
         let first_run = self.residuals == 0.0;
         if first_run {
-            let alpha = self.alpha * residuals as f64;
-            solve_output(&mut problem, &mut self.lm, &self.shape, &mut self.w, alpha);
+            // Where it has no answer the output layer stays at zero: the mean, a valid start.
+            self.w[problem.linear()].fill(0.0);
+            problem.project(&mut self.w, self.alpha * residuals as f64);
             self.best.clone_from(&self.w);
         } else {
             self.lm.rescale_damping(residuals as f64 / self.residuals);
@@ -167,32 +168,5 @@ pub(crate) trait NetSteps: Problem {
 impl<R: Rows> NetSteps for NetProblem<R> {
     fn target_share(&self) -> f64 {
         NetProblem::target_share(self)
-    }
-}
-
-/// The output layer is linear: its best weights for the hidden layers at hand, errors divided by
-/// the targets' luminance, are one solve away.
-fn solve_output(
-    problem: &mut impl Problem,
-    lm: &mut Levenberg,
-    shape: &Shape,
-    w: &mut [f64],
-    alpha: f64,
-) {
-    let first = shape.offsets().last().copied().unwrap_or(0);
-    w[first..].fill(0.0);
-    problem.linearise(w, &mut lm.normal);
-    let (n, m) = (w.len(), w.len() - first);
-    let mut block = vec![0.0; m * m];
-    for i in 0..m {
-        block[i * m..][..m].copy_from_slice(&lm.normal.matrix[(first + i) * n + first..][..m]);
-    }
-    let mut right: Vec<f64> = lm.normal.gradient[first..].iter().map(|g| -g).collect();
-    let largest = (0..m).map(|i| block[i * m + i]).fold(0.0, f64::max);
-    let mut factor = crate::linalg::Cholesky::default();
-    let add = vec![alpha + 1e-10 * largest; m];
-    // Without a factor the layer stays at zero: the mean, a valid start.
-    if factor.factor(&block, &add).is_ok() && factor.solve(&mut right).is_ok() {
-        w[first..].copy_from_slice(&right);
     }
 }

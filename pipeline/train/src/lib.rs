@@ -18,6 +18,7 @@
 pub mod blocks;
 mod cell;
 pub mod config;
+mod curvature;
 pub mod dense;
 mod descent;
 pub mod error;

@@ -23,6 +23,17 @@ pub trait Problem {
     /// Fixes the weights s at w where they depend on it, fills JᵀWJ and JᵀWr, returns D(w).
     fn linearise(&mut self, w: &[f64], normal: &mut Normal) -> f64;
 
+    /// The parameters that r depends on linearly: a range, moved by [`Problem::project`].
+    fn linear(&self) -> std::ops::Range<usize> {
+        0..0
+    }
+
+    /// Moves the linear parameters to where F is least for the others as they are; false where
+    /// that has no unique answer, w then unmoved.
+    fn project(&mut self, _w: &mut [f64], _alpha: f64) -> bool {
+        false
+    }
+
     /// JᵀW r'' into `out`, r'' the second derivative of r along v; false where not supported.
     fn curvature(&mut self, _w: &[f64], _v: &[f64], _out: &mut [f64]) -> bool {
         false
@@ -98,6 +109,9 @@ pub struct LmConfig {
     pub damping_max: f64,
     /// The matrix that the damping multiplies.
     pub scaling: Scaling,
+    /// Variable projection (Golub, Pereyra 1973, in Kaufman's 1975 form): the linear parameters
+    /// are not damped, and solved for anew after each step of the others.
+    pub separable: bool,
     /// Largest ratio of acceleration to velocity, 2‖a‖/‖v‖ ≤ this; 0 turns acceleration off.
     pub acceleration: f64,
     /// Stop where ‖g‖∞ is below this times the larger of 1 and F.
@@ -114,6 +128,7 @@ impl Default for LmConfig {
             tau: 1e-3,
             damping_max: 1e12,
             scaling: Scaling::Identity,
+            separable: false,
             acceleration: 0.0,
             gradient: 1e-12,
             step: 1e-12,
@@ -200,7 +215,7 @@ impl Levenberg {
         if largest(&g) <= self.config.gradient * before.max(f64::MIN_POSITIVE) {
             return Err(Stop::Gradient);
         }
-        self.rescale();
+        self.rescale(problem.linear());
         for tries in 1.. {
             if self.mu > self.config.damping_max * self.largest {
                 return Err(Stop::Damping);
@@ -212,7 +227,10 @@ impl Levenberg {
             if squared(&delta).sqrt() <= self.config.step * (squared(w).sqrt() + self.config.step) {
                 return Err(Stop::Step);
             }
-            let trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
+            let mut trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
+            if self.config.separable {
+                problem.project(&mut trial, alpha);
+            }
             let data = problem.cost(&trial);
             let after = data + alpha * squared(&trial);
             let gain = (before - after) / promised;
@@ -253,7 +271,7 @@ impl Levenberg {
     }
 
     /// Refreshes S, and sets μ at the first step.
-    fn rescale(&mut self) {
+    fn rescale(&mut self, linear: std::ops::Range<usize>) {
         let n = self.normal.n;
         let diagonal = |i: usize| self.normal.matrix[i * n + i];
         let top = (0..n).map(diagonal).fold(0.0, f64::max);
@@ -280,6 +298,9 @@ impl Levenberg {
                     *s = 1.0;
                 }
             }
+        }
+        if self.config.separable {
+            self.scale[linear].fill(0.0);
         }
     }
 

@@ -167,6 +167,15 @@ impl Tile {
         sum
     }
 
+    /// Puts s times `values` in the residuals' place.
+    pub(crate) fn replace_residuals(&mut self, values: &[Lane; CHANNELS]) {
+        for ((r, s), value) in self.r.iter_mut().zip(&self.s).zip(values) {
+            for i in 0..TILE {
+                r[i] = s[i] * value[i];
+            }
+        }
+    }
+
     /// Luminance (mean of the channels) of `share` times the targets plus 1 − `share` times the
     /// present outputs.
     pub fn luminance(&self, share: f64) -> Lane {
