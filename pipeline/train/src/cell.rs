@@ -1,6 +1,6 @@
 //! A cell made ready for training: rows split, scaled, and put in a random order.
 
-use crate::config::TrainConfig;
+use crate::config::{Mode, TrainConfig};
 use crate::error::TrainError;
 use crate::fit::FitReport;
 use crate::lm::Stop;
@@ -43,7 +43,8 @@ impl<'a> Cell<'a> {
         let (ids, mut dropped_inputs) = prepare::choose_inputs(config)?;
         let mut inputs = prepare::compute_inputs(&ids, samples.rows);
         let quarantined = prepare::quarantine(&samples, &inputs, divide);
-        let (train_ids, validation_ids) = split(&samples, &quarantined, &stream);
+        let shuffle = (config.mode == Mode::Local).then_some(&stream);
+        let (train_ids, validation_ids) = split(&samples, &quarantined, shuffle);
         dropped_inputs.extend(prepare::scale_inputs(&mut inputs, &train_ids));
         let floor = floor(&samples, &train_ids, &validation_ids, config);
         let ids = if train_ids.is_empty() {
@@ -103,6 +104,25 @@ impl<'a> Cell<'a> {
         self
     }
 
+    /// Takes an input out of all rows.
+    pub fn take_input(&mut self, place: usize) -> TakenInput {
+        TakenInput {
+            input: self.inputs.remove(place),
+            columns: [&mut self.train, &mut self.validation].map(|rows| rows.x.remove(place)),
+        }
+    }
+
+    /// Puts it back.
+    pub fn put_input(&mut self, place: usize, taken: TakenInput) {
+        self.inputs.insert(place, taken.input);
+        for (rows, column) in [&mut self.train, &mut self.validation]
+            .into_iter()
+            .zip(taken.columns)
+        {
+            rows.x.insert(place, column);
+        }
+    }
+
     /// The shape with these hidden layers.
     pub fn shape(&self, hidden: &[usize]) -> Shape {
         let mut sizes = vec![self.inputs.len()];
@@ -128,19 +148,33 @@ impl<'a> Cell<'a> {
     }
 }
 
+/// An input taken out of a cell.
+pub(crate) struct TakenInput {
+    input: Input,
+    columns: [Vec<f32>; 2],
+}
+
+impl TakenInput {
+    /// Place in `rrf_field::model::INPUTS`.
+    pub fn id(&self) -> u8 {
+        self.input.id
+    }
+}
+
 /// Index of the stream that rows are ordered by; starts of nets count from 0.
 const ORDER: u64 = 1 << 63;
 
-/// Training and validation rows, each in an order that is random but depends on nothing except
-/// (seed, cell, row).
-fn split(samples: &Samples, quarantined: &[u32], stream: &Stream) -> (Vec<u32>, Vec<u32>) {
+/// Training and validation rows, each as they come in or, with a stream, in an order that is
+/// random but depends on nothing except (seed, cell, row).
+fn split(samples: &Samples, quarantined: &[u32], shuffle: Option<&Stream>) -> (Vec<u32>, Vec<u32>) {
+    let key = |row: u32| shuffle.map_or(0, |s| s.block(ORDER | u64::from(row), 0)[0]);
     let mut usable = vec![true; samples.rows.len()];
     for &row in quarantined {
         usable[row as usize] = false;
     }
     let mut order: Vec<(u32, u32)> = (0..samples.rows.len() as u32)
         .filter(|&row| usable[row as usize])
-        .map(|row| (stream.block(ORDER | u64::from(row), 0)[0], row))
+        .map(|row| (key(row), row))
         .collect();
     order.sort_unstable();
     let rows = order.into_iter().map(|(_, row)| row);

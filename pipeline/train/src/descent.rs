@@ -1,4 +1,4 @@
-//! One net's way down: steps on a growing share of the rows, the best weights kept.
+//! One net's way down: steps on a share of the rows, the best weights kept.
 
 use crate::cell::Cell;
 use crate::config::Decay;
@@ -83,7 +83,7 @@ impl<'a> Descent<'a> {
         let rows = cell
             .train
             .first((cell.train.len() as f64 * leg.share).ceil() as usize);
-        let residuals = cell.train.residuals(rows.len()).max(1);
+        let residuals = rows.residuals().max(1);
         let mut problem = NetProblem::new(&self.shape, rows, residuals, cell.loss);
         let mut judge = Judge::choosing(cell, &self.shape, leg.share);
         self.w.clone_from(&self.best);

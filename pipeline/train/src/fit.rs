@@ -1,12 +1,14 @@
 //! One cell's samples in, one cell's model out.
 
 use crate::cell::Cell;
-use crate::config::TrainConfig;
+use crate::config::{Batches, Mode, Size, TrainConfig};
 use crate::error::TrainError;
 use crate::halves::ErrorEstimate;
 use crate::judge::Judge;
 use crate::lm::Stop;
+use crate::online;
 use crate::prepare::Samples;
+use crate::prune::{self, Net};
 use crate::search;
 use rrf_field::columns::Columns;
 use rrf_field::model::CellModel;
@@ -123,6 +125,7 @@ fn constant(cell: u32, prepared: Cell, stop: Stop) -> CellFit {
     let ended = Ended {
         weights: vec![0.0; shape.weights()],
         shape,
+        error: f64::INFINITY,
         stop,
         iterations: 0,
         mu: 0.0,
@@ -133,25 +136,88 @@ fn constant(cell: u32, prepared: Cell, stop: Stop) -> CellFit {
 }
 
 fn train(cell: u32, mut prepared: Cell) -> CellFit {
-    let (best, stop) = search::best_of_starts(&prepared, &prepared.shape(&prepared.config.hidden));
-    let (mu, iterations) = (best.mu(), best.history.len());
+    let (mut ended, history) = match prepared.config.mode {
+        Mode::Local => match local(&prepared) {
+            Some(found) => found,
+            None => return constant(cell, prepared, Stop::NotFinite),
+        },
+        Mode::Online(batches) | Mode::Recursive { batches, .. } => online(&prepared, batches),
+    };
+    if let Some(tolerance) = prepared.config.prune {
+        ended = pruned(&mut prepared, ended, tolerance);
+    }
+    prepared.report.history = history;
+    finish(cell, prepared, ended)
+}
+
+fn local(prepared: &Cell) -> Option<(Ended, Vec<HistoryRow>)> {
+    let (best, stop) = match &prepared.config.size {
+        Size::Hidden(hidden) => search::best_of_starts(prepared, &prepared.shape(hidden)),
+        Size::Smallest { target } => search::smallest(prepared, *target),
+    }?;
     let ended = Ended {
+        mu: best.mu(),
+        iterations: best.history.len(),
         shape: best.shape,
         weights: best.best,
+        error: best.error,
         stop,
-        iterations,
-        mu,
         alpha: best.alpha,
         gamma: best.gamma,
     };
-    prepared.report.history = best.history;
-    finish(cell, prepared, ended)
+    Some((ended, best.history))
+}
+
+fn online(prepared: &Cell, batches: Batches) -> (Ended, Vec<HistoryRow>) {
+    let shape = match &prepared.config.size {
+        Size::Hidden(hidden) => prepared.shape(hidden),
+        Size::Smallest { .. } => prepared.shape(ONLINE_HIDDEN),
+    };
+    let found = online::train(prepared, &shape, batches);
+    let ended = Ended {
+        gamma: shape.weights() as f64,
+        shape,
+        weights: found.best,
+        error: found.error,
+        stop: found.stop,
+        iterations: found.history.len(),
+        mu: found.mu,
+        alpha: prepared.config.decay.start(),
+    };
+    (ended, found.history)
+}
+
+/// Hidden layers of an online fit that leaves the size open: it sees its rows only once.
+const ONLINE_HIDDEN: &[usize] = &[20, 10];
+
+fn pruned(prepared: &mut Cell, ended: Ended, tolerance: f64) -> Ended {
+    let target = match prepared.config.size {
+        Size::Smallest { target } => target * target,
+        Size::Hidden(_) => 0.0,
+    };
+    let limit = (ended.error * (1.0 + tolerance).powi(2)).max(target);
+    let net = Net {
+        shape: ended.shape,
+        weights: ended.weights,
+        error: ended.error,
+        alpha: ended.alpha,
+    };
+    let net = prune::prune(prepared, net, limit);
+    Ended {
+        gamma: ended.gamma.min(net.weights.len() as f64),
+        shape: net.shape,
+        weights: net.weights,
+        error: net.error,
+        ..ended
+    }
 }
 
 /// Where training ended.
 struct Ended {
     shape: Shape,
     weights: Vec<f64>,
+    /// Squared relative error on the choosing rows.
+    error: f64,
     stop: Stop,
     iterations: usize,
     mu: f64,

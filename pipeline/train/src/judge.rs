@@ -4,14 +4,14 @@ use crate::cell::Cell;
 use crate::halves::{self, ErrorEstimate};
 use crate::prepare;
 use crate::problem::NetProblem;
-use crate::rows::{FirstRows, MemoryRows};
+use crate::rows::{MemoryRows, Part};
 use crate::tile::CHANNELS;
 use rrf_field::net::Shape;
 
 /// Tells a net's error over some rows, free of Monte Carlo noise.
 pub(crate) struct Judge<'a> {
     cell: &'a Cell<'a>,
-    problem: NetProblem<FirstRows<'a>>,
+    problem: NetProblem<Part<'a>>,
     ids: &'a [u32],
     divisor: Vec<f64>,
 }

@@ -251,6 +251,13 @@ impl Levenberg {
         Err(Stop::Damping)
     }
 
+    /// Before another problem of the same size: a damping that gave up on the last one is taken
+    /// back to where it started.
+    pub fn settle(&mut self) {
+        self.mu = self.mu.min(self.config.tau * self.largest);
+        self.nu = 2.0;
+    }
+
     /// Follows a change in the number of residuals.
     pub fn rescale_damping(&mut self, times: f64) {
         self.mu *= times;

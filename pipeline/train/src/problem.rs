@@ -100,6 +100,11 @@ impl<R: Rows> NetProblem<R> {
         self.share
     }
 
+    /// Starts from another ω than 1.
+    pub fn set_target_share(&mut self, share: f64) {
+        self.share = share;
+    }
+
     /// Runs the net over all rows and hands each tile to `see` with its first row.
     pub fn each_tile(&mut self, w: &[f64], mut see: impl FnMut(usize, &Tile)) {
         for first in (0..self.rows.len()).step_by(TILE) {

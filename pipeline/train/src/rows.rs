@@ -7,7 +7,7 @@ use crate::tile::{Batch, CHANNELS, Rows};
 /// Rows in memory, in a net's units.
 pub struct MemoryRows {
     /// One column an input.
-    x: Vec<Vec<f32>>,
+    pub(crate) x: Vec<Vec<f32>>,
     target: [Vec<f64>; CHANNELS],
     gain: [Vec<f64>; CHANNELS],
     base: Vec<f64>,
@@ -52,17 +52,18 @@ impl MemoryRows {
         result
     }
 
-    /// How many residuals of the first `rows` rows count.
-    pub fn residuals(&self, rows: usize) -> usize {
-        let used = |gain: &Vec<f64>| gain.iter().take(rows).filter(|g| **g > 0.0).count();
-        self.gain.iter().map(used).sum()
+    /// The first `rows` rows.
+    pub fn first(&self, rows: usize) -> Part<'_> {
+        self.part(0..rows)
     }
 
-    /// The first `rows` rows.
-    pub fn first(&self, rows: usize) -> FirstRows<'_> {
-        FirstRows {
+    /// Some rows in their order.
+    pub fn part(&self, range: std::ops::Range<usize>) -> Part<'_> {
+        let end = range.end.min(self.len());
+        Part {
             of: self,
-            rows: rows.min(self.len()),
+            first: range.start.min(end),
+            end,
         }
     }
 }
@@ -94,18 +95,30 @@ impl MemoryRows {
     }
 }
 
-/// The leading part of some rows.
-pub struct FirstRows<'a> {
+/// A stretch of some rows.
+pub struct Part<'a> {
     of: &'a MemoryRows,
-    rows: usize,
+    first: usize,
+    end: usize,
 }
 
-impl Rows for FirstRows<'_> {
+impl Part<'_> {
+    /// How many residuals count.
+    pub fn residuals(&self) -> usize {
+        let used = |gain: &Vec<f64>| {
+            let gain = &gain[self.first..self.end];
+            gain.iter().filter(|g| **g > 0.0).count()
+        };
+        self.of.gain.iter().map(used).sum()
+    }
+}
+
+impl Rows for Part<'_> {
     fn len(&self) -> usize {
-        self.rows
+        self.end - self.first
     }
 
     fn load(&self, first: usize, batch: &mut Batch) {
-        self.of.load_until(first, self.rows, batch);
+        self.of.load_until(self.first + first, self.end, batch);
     }
 }
