@@ -59,6 +59,8 @@ enum Kind {
 
 /// Sums the normal equations tile by tile.
 pub struct Accumulator {
+    /// Lowest weight layer whose weights are parameters; those below are held.
+    first: usize,
     sizes: Vec<usize>,
     offsets: Vec<usize>,
     blocks: Vec<Block>,
@@ -106,13 +108,27 @@ fn triangle(n: usize) -> usize {
 }
 
 impl Accumulator {
-    /// Zero sums for nets of the tile's shape.
+    /// Zero sums for all weights of nets of the tile's shape.
     pub fn new(tile: &Tile) -> Accumulator {
+        Accumulator::above(tile, 0, true)
+    }
+
+    /// Zero sums for JᵀWr alone.
+    pub fn gradient(tile: &Tile) -> Accumulator {
+        Accumulator::above(tile, 0, false)
+    }
+
+    /// Zero sums for the weights of the output layer alone.
+    pub fn output_layer(tile: &Tile) -> Accumulator {
+        Accumulator::above(tile, tile.depth(), true)
+    }
+
+    fn above(tile: &Tile, first: usize, matrix: bool) -> Accumulator {
         let (sizes, top) = (tile.sizes.clone(), tile.depth());
         let ext = |l: usize| sizes[l] + 1;
         let mut blocks = Vec::new();
-        for p in 0..=top {
-            for q in 0..=p {
+        for p in first..=top {
+            for q in (first..=p).filter(|_| matrix) {
                 let (m, n) = match (p == top, q == top, p == q) {
                     (true, true, _) => (CHANNELS, triangle(ext(p))),
                     (true, false, _) => (CHANNELS * sizes[q + 1], ext(p) * ext(q)),
@@ -133,7 +149,10 @@ impl Accumulator {
             u: (0..=top).map(|l| Packed::new(sizes[l + 1])).collect(),
             a: vec![0.0; a * TILE + STEP],
             b: vec![0.0; b * TILE + STEP],
-            offsets: tile.offsets.clone(),
+            offsets: (tile.offsets.iter())
+                .map(|offset| offset.saturating_sub(tile.offsets[first]))
+                .collect(),
+            first,
             sizes,
             blocks,
         }
@@ -166,13 +185,13 @@ impl Accumulator {
 
     /// Row-major copies of what the products read.
     fn pack(&mut self, tile: &Tile) {
-        for (l, z) in self.z.iter_mut().enumerate() {
+        for (l, z) in self.z.iter_mut().enumerate().skip(self.first) {
             z.set(0, &[1.0; TILE]);
             for (j, lane) in tile.input_of(l).iter().enumerate() {
                 z.set(j + 1, lane);
             }
         }
-        for (l, g) in self.g.iter_mut().enumerate() {
+        for (l, g) in self.g.iter_mut().enumerate().skip(self.first) {
             let n = self.sizes[l + 1];
             for j in 0..n {
                 let mut u = [0.0; TILE];
@@ -231,20 +250,26 @@ impl Accumulator {
         }
     }
 
+    /// The sums as JᵀWr.
+    pub fn finish_gradient(&self, gradient: &mut [f64]) {
+        for block in &self.blocks {
+            let Kind::Gradient { l } = block.kind else {
+                continue;
+            };
+            let width = self.sizes[l] + 1;
+            for (unit, sums) in block.sums.chunks_exact(block.ldb).take(block.m).enumerate() {
+                gradient[self.offsets[l] + unit * width..][..width].copy_from_slice(&sums[..width]);
+            }
+        }
+    }
+
     /// The sums as full normal equations.
     pub fn finish(&self, normal: &mut Normal) {
         let n = normal.n;
+        self.finish_gradient(&mut normal.gradient);
         for block in &self.blocks {
-            match block.kind {
-                Kind::Pair { p, q } => self.spread(block, p, q, normal),
-                Kind::Gradient { l } => {
-                    let width = self.sizes[l] + 1;
-                    for (unit, sums) in block.sums.chunks_exact(block.ldb).take(block.m).enumerate()
-                    {
-                        normal.gradient[self.offsets[l] + unit * width..][..width]
-                            .copy_from_slice(&sums[..width]);
-                    }
-                }
+            if let Kind::Pair { p, q } = block.kind {
+                self.spread(block, p, q, normal);
             }
         }
         for i in 0..n {

@@ -22,6 +22,49 @@ impl Decay {
     }
 }
 
+/// Which nets a cell may get.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Size {
+    /// Units of the hidden layers, inputs side first; empty: a linear model.
+    Hidden(Vec<usize>),
+    /// The first of [`LADDER`] whose relative validation error is at most `target`; the best
+    /// of them where none is.
+    Smallest {
+        /// Relative error sought.
+        target: f64,
+    },
+}
+
+/// Hidden layers from small to large.
+pub const LADDER: [&[usize]; 6] = [&[], &[4], &[8, 4], &[12, 8], &[20, 10], &[32, 16]];
+
+/// How an online mode goes through the rows, in the order they come in.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Batches {
+    /// Rows a batch.
+    pub rows: usize,
+    /// Most steps on a batch.
+    pub steps: usize,
+    /// How many times the batches are gone through.
+    pub epochs: usize,
+}
+
+/// Which rows a step sees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Mode {
+    /// All rows of the cell.
+    Local,
+    /// Batch after batch, each on its own.
+    Online(Batches),
+    /// Batch after batch, the accumulated JᵀWJ of the earlier ones kept.
+    Recursive {
+        /// How the rows are gone through.
+        batches: Batches,
+        /// λ: what is kept of the past at each batch, 1 for all.
+        forgetting: f64,
+    },
+}
+
 /// How cells are fitted; written whole into a run's manifest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrainConfig {
@@ -30,8 +73,11 @@ pub struct TrainConfig {
     /// Inputs to consider, as names in `rrf_field::model::INPUTS`; those that do not vary in a
     /// cell are dropped.
     pub inputs: Vec<String>,
-    /// Units of the hidden layers, inputs side first; empty: a linear model.
-    pub hidden: Vec<usize>,
+    /// Which nets to consider.
+    pub size: Size,
+    /// Take out inputs and units for as long as the validation error stays within this share
+    /// above that of the whole net (or below [`Size::Smallest`]'s target).
+    pub prune: Option<f64>,
     /// Divide the target by the base colour (Lambert cells: outgoing radiance is proportional
     /// to it). Channels of base colour 0 are left out of the loss.
     pub divide_base: bool,
@@ -41,11 +87,21 @@ pub struct TrainConfig {
     pub epsilon: f64,
     /// Mean luminance of the whole data set, W·sr⁻¹·m⁻²; without it the cell's own.
     pub mean_luminance: Option<f32>,
+    /// Which rows a step sees.
+    pub mode: Mode,
     /// Weight decay.
     pub decay: Decay,
-    /// Most iterations of a fit.
+    /// Nets that start from different first weights; a power of two. The better half goes on at
+    /// each rung.
+    pub starts: usize,
+    /// Legs on a part of the rows before the one on all: the last on half of them, the one
+    /// before on a quarter, and so on.
+    pub rungs: usize,
+    /// Steps of each of these.
+    pub rung_steps: usize,
+    /// Most steps on all rows.
     pub iterations: usize,
-    /// Iterations without a better validation error after which a fit stops.
+    /// Steps without a better validation error after which a fit stops.
     pub patience: usize,
     /// How to step.
     pub lm: LmConfig,
@@ -74,20 +130,33 @@ impl Default for TrainConfig {
         TrainConfig {
             seed: 1,
             inputs: inputs.map(String::from).to_vec(),
-            hidden: vec![20, 10],
+            size: Size::Hidden(vec![20, 10]),
+            prune: None,
             divide_base: false,
             relative: true,
             epsilon: 0.05,
             mean_luminance: None,
+            mode: Mode::Local,
             decay: Decay::Evidence(1e-6),
+            starts: 1,
+            rungs: 0,
+            rung_steps: 5,
             iterations: 60,
-            patience: 15,
+            patience: 6,
             lm: LmConfig::default(),
         }
     }
 }
 
 impl TrainConfig {
+    /// λ of the recursive mode, 0 otherwise.
+    pub fn forgetting(&self) -> f64 {
+        match self.mode {
+            Mode::Recursive { forgetting, .. } => forgetting,
+            _ => 0.0,
+        }
+    }
+
     /// Every number within its range.
     pub fn check(&self) -> Result<(), TrainError> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
@@ -106,6 +175,18 @@ impl TrainConfig {
                 self.decay.start() >= 0.0 && self.decay.start().is_finite(),
                 "at least 0",
             ),
+            (
+                "forgetting",
+                self.forgetting(),
+                (0.0..=1.0).contains(&self.forgetting()),
+                "between 0 and 1",
+            ),
+            (
+                "prune",
+                self.prune.unwrap_or(0.0),
+                self.prune.unwrap_or(0.0) >= 0.0,
+                "at least 0",
+            ),
             ("lm.tau", self.lm.tau, positive(self.lm.tau), "positive"),
         ];
         for (name, value, fine, range) in checks {
@@ -114,12 +195,31 @@ impl TrainConfig {
                 return Err(TrainError::Config { name, value, range });
             }
         }
-        if self.hidden.len() > 2 || self.hidden.contains(&0) {
+        if let Mode::Online(batches) | Mode::Recursive { batches, .. } = self.mode
+            && (batches.rows == 0 || batches.steps == 0 || batches.epochs == 0)
+        {
             return Err(TrainError::Config {
-                name: "hidden",
-                value: format!("{:?}", self.hidden),
-                range: "at most two layers of at least one unit",
+                name: "mode",
+                value: format!("{batches:?}"),
+                range: "at least 1 row, step and epoch",
             });
+        }
+        match &self.size {
+            Size::Hidden(units) if units.len() > 2 || units.contains(&0) => {
+                return Err(TrainError::Config {
+                    name: "size",
+                    value: format!("{units:?}"),
+                    range: "at most two layers of at least one unit",
+                });
+            }
+            Size::Smallest { target } if !positive(*target) => {
+                return Err(TrainError::Config {
+                    name: "size",
+                    value: target.to_string(),
+                    range: "a positive target",
+                });
+            }
+            _ => {}
         }
         Ok(())
     }

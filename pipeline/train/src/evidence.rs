@@ -9,6 +9,9 @@
 //! ```
 //!
 //! iterated along with the steps. α here multiplies ‖w‖² beside D, so it is MacKay's α / β.
+//!
+//! Where the channels share their noise, D counts it κ times over (κ up to 3). The likelihood is
+//! then exp(−D / 2κσ²) with N σ² / κ worth of independent residuals: α = κ γ / ‖w‖² · D / (N − κγ).
 
 use crate::blocks::Normal;
 use crate::linalg::{Cholesky, Indefinite};
@@ -22,7 +25,7 @@ pub struct Evidence {
     pub gamma: f64,
 }
 
-/// One update from the normal equations at w, D(w) = `data` over `residuals` values. The trace
+/// One update from the normal equations at w, D(w) = `data` over `residuals` values, κ = `overcount`. The trace
 /// fails where JᵀWJ + α I is not positive definite: α then stays.
 pub fn update(
     factor: &mut Cholesky,
@@ -31,6 +34,7 @@ pub fn update(
     w: &[f64],
     data: f64,
     residuals: f64,
+    overcount: f64,
 ) -> Result<Evidence, Indefinite> {
     let n = normal.n;
     factor.factor(&normal.matrix, &vec![alpha; n])?;
@@ -38,7 +42,7 @@ pub fn update(
     let trace: f64 = (0..n).map(|i| inverse[i * n + i]).sum();
     let gamma = (n as f64 - alpha * trace).clamp(0.0, n as f64);
     let squared: f64 = w.iter().map(|w| w * w).sum();
-    let free = (residuals - gamma).max(1.0);
-    let alpha = gamma / squared.max(f64::MIN_POSITIVE) * data / free;
+    let free = (residuals - overcount * gamma).max(1.0);
+    let alpha = overcount * gamma / squared.max(f64::MIN_POSITIVE) * data / free;
     Ok(Evidence { alpha, gamma })
 }

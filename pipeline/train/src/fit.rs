@@ -1,16 +1,18 @@
 //! One cell's samples in, one cell's model out.
 
-use crate::config::{Decay, TrainConfig};
+use crate::cell::Cell;
+use crate::config::{Batches, Mode, Size, TrainConfig};
 use crate::error::TrainError;
-use crate::halves::{self, ErrorEstimate};
-use crate::lm::{Levenberg, Problem, Stop};
-use crate::prepare::{self, Input, MemoryRows, OutputScale, Samples};
-use crate::problem::{Loss, NetProblem};
-use crate::tile::CHANNELS;
+use crate::halves::ErrorEstimate;
+use crate::judge::Judge;
+use crate::lm::Stop;
+use crate::online;
+use crate::prepare::Samples;
+use crate::prune::{self, Net};
+use crate::search;
 use rrf_field::columns::Columns;
 use rrf_field::model::CellModel;
 use rrf_field::net::Shape;
-use rrf_field::rng::{Stage, Stream};
 use std::time::Instant;
 
 /// A fitted cell.
@@ -67,6 +69,8 @@ pub struct CellMetrics {
 pub struct HistoryRow {
     /// Accepted steps so far.
     pub iteration: usize,
+    /// Residuals of the rows stepped on.
+    pub residuals: usize,
     /// Mean weighted squared residual over the training rows (with noise).
     pub cost: f64,
     /// Squared relative error on the rows judged by.
@@ -88,21 +92,6 @@ pub struct FitReport {
     pub history: Vec<HistoryRow>,
 }
 
-/// Rows split, scaled and ready for nets of any shape.
-pub(crate) struct Prepared<'a> {
-    pub samples: Samples<'a>,
-    pub config: &'a TrainConfig,
-    pub inputs: Vec<Input>,
-    pub output: OutputScale,
-    pub loss: Loss,
-    pub floor: f64,
-    pub train_ids: Vec<u32>,
-    pub validation_ids: Vec<u32>,
-    pub train: MemoryRows,
-    pub validation: MemoryRows,
-    pub report: FitReport,
-}
-
 /// Fits one cell. `halves` are two independent estimates of each row's radiance
 /// [W·sr⁻¹·m⁻²]; the target is their mean. Rows marked in `validation` choose the weights that
 /// are kept and tell the error, the others are trained on. The result depends on nothing but
@@ -120,377 +109,168 @@ pub fn fit_cell(
         halves,
         validation,
     };
-    let prepared = Prepared::new(samples, config)?;
-    let mut fit = if let Some(stop) = prepared.trivial() {
-        prepared.constant(cell, stop)
-    } else {
-        prepared.train(cell)
+    let prepared = Cell::new(cell, samples, config)?;
+    let mut fit = match prepared.trivial() {
+        Some(stop) => constant(cell, prepared, stop),
+        None => train(cell, prepared),
     };
     fit.metrics.seconds = start.elapsed().as_secs_f64();
     Ok(fit)
 }
 
-impl<'a> Prepared<'a> {
-    pub(crate) fn new(
-        samples: Samples<'a>,
-        config: &'a TrainConfig,
-    ) -> Result<Prepared<'a>, TrainError> {
-        samples.check()?;
-        config.check()?;
-        let divide = config.divide_base;
-        let (ids, mut dropped_inputs) = prepare::choose_inputs(config)?;
-        let mut inputs = prepare::compute_inputs(&ids, samples.rows);
-        let quarantined = prepare::quarantine(&samples, &inputs, divide);
-        let mut usable = vec![true; samples.rows.len()];
-        for &row in &quarantined {
-            usable[row as usize] = false;
-        }
-        let (mut train_ids, mut validation_ids) = (Vec::new(), Vec::new());
-        for (row, _) in usable.iter().enumerate().filter(|(_, usable)| **usable) {
-            if samples.validation[row] {
-                validation_ids.push(row as u32);
-            } else {
-                train_ids.push(row as u32);
-            }
-        }
-        dropped_inputs.extend(prepare::scale_inputs(&mut inputs, &train_ids));
-        let floor = floor(&samples, &train_ids, &validation_ids, config);
-        let ids = if train_ids.is_empty() {
-            &validation_ids
-        } else {
-            &train_ids
-        };
-        let output = prepare::scale_outputs(&samples, ids, floor, divide);
-        let memory = |ids: &[u32]| MemoryRows::new(&samples, ids, &inputs, &output, divide);
-        let loss = if config.relative {
-            let noise = prepare::noise(&samples, ids, floor);
-            Loss::Relative { floor, noise }
-        } else {
-            Loss::Absolute
-        };
-        Ok(Prepared {
-            train: memory(&train_ids),
-            validation: memory(&validation_ids),
-            loss,
-            report: FitReport {
-                quarantined,
-                dropped_inputs,
-                history: Vec::new(),
-            },
-            samples,
-            config,
-            inputs,
-            output,
-            floor,
-            train_ids,
-            validation_ids,
-        })
-    }
+/// The weighted mean as a model without inputs.
+fn constant(cell: u32, prepared: Cell, stop: Stop) -> CellFit {
+    let prepared = prepared.without_inputs();
+    let shape = prepared.shape(&[]);
+    let ended = Ended {
+        weights: vec![0.0; shape.weights()],
+        shape,
+        error: f64::INFINITY,
+        stop,
+        iterations: 0,
+        mu: 0.0,
+        alpha: 0.0,
+        gamma: 0.0,
+    };
+    finish(cell, prepared, ended)
+}
 
-    /// Why no net is needed, if so.
-    fn trivial(&self) -> Option<Stop> {
-        if self.train_ids.is_empty() {
-            Some(Stop::NoRows)
-        } else if self.output.constant || self.inputs.is_empty() {
-            Some(Stop::Constant)
-        } else {
-            None
-        }
+fn train(cell: u32, mut prepared: Cell) -> CellFit {
+    let (mut ended, history) = match prepared.config.mode {
+        Mode::Local => match local(&prepared) {
+            Some(found) => found,
+            None => return constant(cell, prepared, Stop::NotFinite),
+        },
+        Mode::Online(batches) | Mode::Recursive { batches, .. } => online(&prepared, batches),
+    };
+    if let Some(tolerance) = prepared.config.prune {
+        ended = pruned(&mut prepared, ended, tolerance);
     }
+    prepared.report.history = history;
+    finish(cell, prepared, ended)
+}
 
-    /// The weighted mean as a model without inputs.
-    fn constant(self, cell: u32, stop: Stop) -> CellFit {
-        let shape = Shape {
-            sizes: vec![0, CHANNELS],
-        };
-        let mut none = self;
-        none.inputs.clear();
-        let memory = |ids: &[u32]| {
-            MemoryRows::new(
-                &none.samples,
-                ids,
-                &[],
-                &none.output,
-                none.config.divide_base,
-            )
-        };
-        none.train = memory(&none.train_ids);
-        none.validation = memory(&none.validation_ids);
-        let ended = Ended {
-            weights: vec![0.0; shape.weights()],
-            iterations: 0,
-            stop,
-            mu: 0.0,
-            alpha: 0.0,
-            gamma: 0.0,
-        };
-        none.finish(cell, shape, ended)
-    }
+fn local(prepared: &Cell) -> Option<(Ended, Vec<HistoryRow>)> {
+    let (best, stop) = match &prepared.config.size {
+        Size::Hidden(hidden) => search::best_of_starts(prepared, &prepared.shape(hidden)),
+        Size::Smallest { target } => search::smallest(prepared, *target),
+    }?;
+    let ended = Ended {
+        mu: best.mu(),
+        iterations: best.history.len(),
+        shape: best.shape,
+        weights: best.best,
+        error: best.error,
+        stop,
+        alpha: best.alpha,
+        gamma: best.gamma,
+    };
+    Some((ended, best.history))
+}
 
-    fn train(mut self, cell: u32) -> CellFit {
-        let mut sizes = vec![self.inputs.len()];
-        sizes.extend(&self.config.hidden);
-        sizes.push(CHANNELS);
-        let shape = Shape { sizes };
-        let stream = Stream::new(self.config.seed, Stage::Train, cell);
-        let mut history = Vec::new();
-        let ended = self.descend(&shape, first_weights(&shape, &stream, 0), &mut history);
-        self.report.history = history;
-        self.finish(cell, shape, ended)
-    }
+fn online(prepared: &Cell, batches: Batches) -> (Ended, Vec<HistoryRow>) {
+    let shape = match &prepared.config.size {
+        Size::Hidden(hidden) => prepared.shape(hidden),
+        Size::Smallest { .. } => prepared.shape(ONLINE_HIDDEN),
+    };
+    let found = online::train(prepared, &shape, batches);
+    let ended = Ended {
+        gamma: shape.weights() as f64,
+        shape,
+        weights: found.best,
+        error: found.error,
+        stop: found.stop,
+        iterations: found.history.len(),
+        mu: found.mu,
+        alpha: prepared.config.decay.start(),
+    };
+    (ended, found.history)
+}
 
-    /// Levenberg-Marquardt from `w` on; the weights with the best validation error.
-    fn descend(&self, shape: &Shape, mut w: Vec<f64>, history: &mut Vec<HistoryRow>) -> Ended {
-        let config = self.config;
-        let residuals = self.train.residuals();
-        let mut alpha = config.decay.start() * residuals as f64;
-        let mut gamma = w.len() as f64;
-        let mut problem = NetProblem::new(shape, &self.train, residuals, self.loss);
-        let mut judge = self.judge(shape);
-        let mut lm = Levenberg::new(w.len(), config.lm);
-        solve_output(&mut problem, &mut lm, shape, &mut w, alpha);
-        let mut best = (judge.error(&w).square, w.clone());
-        let (mut stop, mut since) = (Stop::Iterations, 0);
-        for iteration in 1..=config.iterations {
-            let step = match lm.step(&mut problem, &mut w, alpha) {
-                Ok(step) => step,
-                Err(reason) => {
-                    stop = reason;
-                    break;
-                }
-            };
-            if iteration % RENEW_JUDGE == 0 {
-                judge.renew(&best.1, problem.target_share());
-                best.0 = judge.error(&best.1).square;
-            }
-            if let (Decay::Evidence(_), 0) = (config.decay, iteration % EVIDENCE) {
-                let n = residuals as f64;
-                if let Some(found) = lm.evidence(alpha, &w, step.data, n) {
-                    (alpha, gamma) = (found.alpha, found.gamma);
-                }
-            }
-            let validation = judge.error(&w).square;
-            history.push(HistoryRow {
-                iteration,
-                cost: step.data / residuals.max(1) as f64,
-                validation,
-                mu: lm.mu,
-                gain: step.gain,
-            });
-            since += 1;
-            if validation < best.0 || !best.0.is_finite() {
-                best = (validation, w.clone());
-                since = 0;
-            }
-            if since >= config.patience {
-                stop = Stop::Validation;
-                break;
-            }
-            if step.before - step.after <= config.lm.cost * step.before {
-                stop = Stop::Cost;
-                break;
-            }
-        }
-        Ended {
-            weights: best.1,
-            iterations: history.len(),
-            stop,
-            mu: lm.mu,
-            alpha: alpha / residuals.max(1) as f64,
-            gamma,
-        }
-    }
+/// Hidden layers of an online fit that leaves the size open: it sees its rows only once.
+const ONLINE_HIDDEN: &[usize] = &[20, 10];
 
-    /// The rows that choose the weights: validation, or training where there is none.
-    fn judge(&self, shape: &Shape) -> Judge<'_> {
-        let (rows, ids) = if self.validation_ids.is_empty() {
-            (&self.train, &self.train_ids)
-        } else {
-            (&self.validation, &self.validation_ids)
-        };
-        Judge::new(self, shape, rows, ids)
-    }
-
-    /// Rounds the weights to f32, as they are stored, and judges what is stored.
-    fn finish(self, cell: u32, shape: Shape, ended: Ended) -> CellFit {
-        let weights: Vec<f32> = ended.weights.iter().map(|w| *w as f32).collect();
-        let stored: Vec<f64> = weights.iter().map(|w| f64::from(*w)).collect();
-        let share = {
-            let mut judge = Judge::new(&self, &shape, &self.train, &self.train_ids);
-            self.loss.target_share(judge.error(&stored).square)
-        };
-        let error = |rows, ids| {
-            let mut judge = Judge::new(&self, &shape, rows, ids);
-            judge.renew(&stored, share);
-            judge.error(&stored)
-        };
-        let train_error = error(&self.train, &self.train_ids);
-        let validation_error = error(&self.validation, &self.validation_ids);
-        let metrics = CellMetrics {
-            cell,
-            seed: self.config.seed,
-            rows: self.samples.rows.len(),
-            train_rows: self.train_ids.len(),
-            validation_rows: self.validation_ids.len(),
-            quarantined_rows: self.report.quarantined.len(),
-            iterations: ended.iterations,
-            stop: ended.stop,
-            train_error,
-            validation_error,
-            alpha: ended.alpha,
-            mu: ended.mu,
-            effective_parameters: ended.gamma,
-            weights: weights.len(),
-            floor: self.floor,
-            seconds: 0.0,
-        };
-        let model = CellModel {
-            cell,
-            inputs: self.inputs.iter().map(|i| i.id).collect(),
-            input_offset: self.inputs.iter().map(|i| i.offset).collect(),
-            input_scale: self.inputs.iter().map(|i| i.scale).collect(),
-            shape,
-            weights,
-            output_scale: self.output.scale,
-            output_offset: self.output.offset,
-            divide_base: self.config.divide_base,
-        };
-        CellFit {
-            model,
-            metrics,
-            report: self.report,
-        }
+fn pruned(prepared: &mut Cell, ended: Ended, tolerance: f64) -> Ended {
+    let target = match prepared.config.size {
+        Size::Smallest { target } => target * target,
+        Size::Hidden(_) => 0.0,
+    };
+    let limit = (ended.error * (1.0 + tolerance).powi(2)).max(target);
+    let net = Net {
+        shape: ended.shape,
+        weights: ended.weights,
+        error: ended.error,
+        alpha: ended.alpha,
+    };
+    let net = prune::prune(prepared, net, limit);
+    Ended {
+        gamma: ended.gamma.min(net.weights.len() as f64),
+        shape: net.shape,
+        weights: net.weights,
+        error: net.error,
+        ..ended
     }
 }
 
-/// Accepted steps after which the luminances that validation errors are divided by are renewed.
-const RENEW_JUDGE: usize = 10;
-
-/// Accepted steps from one update of the weight decay to the next.
-const EVIDENCE: usize = 4;
-
-/// Tells a net's error over some rows, free of Monte Carlo noise.
-struct Judge<'a> {
-    prepared: &'a Prepared<'a>,
-    problem: NetProblem<'a, MemoryRows>,
-    ids: &'a [u32],
-    divisor: Vec<f64>,
-}
-
-impl<'a> Judge<'a> {
-    /// Errors are divided by the luminance of the targets until [`Judge::renew`].
-    fn new(prepared: &'a Prepared, shape: &Shape, rows: &'a MemoryRows, ids: &'a [u32]) -> Self {
-        let divisor = (ids.iter())
-            .map(|&r| prepare::luminance(prepared.samples.mean(r as usize)))
-            .map(|luminance| 1.0 / luminance.max(prepared.floor))
-            .collect();
-        Judge {
-            problem: NetProblem::new(shape, rows, ids.len() * CHANNELS, prepared.loss),
-            prepared,
-            ids,
-            divisor,
-        }
-    }
-
-    /// From here on errors are divided by `share` of the targets' luminance and 1 − `share` of
-    /// the luminance that the net with weights `w` predicts.
-    fn renew(&mut self, w: &[f64], share: f64) {
-        let (divisor, floor) = (&mut self.divisor, self.prepared.floor);
-        self.problem.each_tile(w, |first, tile| {
-            for (d, l) in divisor[first..].iter_mut().zip(tile.luminance(share)) {
-                *d = 1.0 / l.max(floor);
-            }
-        });
-    }
-
-    /// Squared relative error of the net with weights `w`.
-    fn error(&mut self, w: &[f64]) -> ErrorEstimate {
-        let mut values = Vec::with_capacity(self.ids.len());
-        let (prepared, ids, divisor) = (self.prepared, self.ids, &self.divisor);
-        let output = &prepared.output;
-        self.problem.each_tile(w, |first, tile| {
-            for i in 0..tile.batch.rows {
-                let row = ids[first + i] as usize;
-                let base = prepared.samples.base(row, prepared.config.divide_base);
-                let p = std::array::from_fn(|c| {
-                    let (scale, offset) = (output.scale[c], output.offset[c]);
-                    base[c] * (f64::from(offset) + f64::from(scale) * tile.out[c][i])
-                });
-                let [y1, y2] = prepared.samples.halves.map(|half| half[row]);
-                values.push(halves::product(p, y1, y2, divisor[first + i]));
-            }
-        });
-        ErrorEstimate::of(&values)
-    }
-}
-
-/// The output layer is linear: its best weights for the hidden layers at hand, errors divided by
-/// the targets' luminance, are one solve away.
-fn solve_output(
-    problem: &mut NetProblem<MemoryRows>,
-    lm: &mut Levenberg,
-    shape: &Shape,
-    w: &mut [f64],
-    alpha: f64,
-) {
-    let first = shape.offsets().last().copied().unwrap_or(0);
-    w[first..].fill(0.0);
-    problem.linearise(w, &mut lm.normal);
-    let (n, m) = (w.len(), w.len() - first);
-    let mut block = vec![0.0; m * m];
-    for i in 0..m {
-        block[i * m..][..m].copy_from_slice(&lm.normal.matrix[(first + i) * n + first..][..m]);
-    }
-    let mut right: Vec<f64> = lm.normal.gradient[first..].iter().map(|g| -g).collect();
-    let largest = (0..m).map(|i| block[i * m + i]).fold(0.0, f64::max);
-    let mut factor = crate::linalg::Cholesky::default();
-    let add = vec![alpha + 1e-10 * largest; m];
-    // Without a factor the layer stays at zero: the mean, a valid start.
-    if factor.factor(&block, &add).is_ok() && factor.solve(&mut right).is_ok() {
-        w[first..].copy_from_slice(&right);
-    }
-}
-
-/// Where a descent ended.
+/// Where training ended.
 struct Ended {
+    shape: Shape,
     weights: Vec<f64>,
-    iterations: usize,
+    /// Squared relative error on the choosing rows.
+    error: f64,
     stop: Stop,
+    iterations: usize,
     mu: f64,
     alpha: f64,
     gamma: f64,
 }
 
-/// ε in radiance.
-fn floor(samples: &Samples, train: &[u32], validation: &[u32], config: &TrainConfig) -> f64 {
-    let rows = || train.iter().chain(validation);
-    let own = || {
-        let sum: f64 = rows()
-            .map(|&r| prepare::luminance(samples.mean(r as usize)))
-            .sum();
-        sum / rows().count().max(1) as f64
+/// Rounds the weights to f32, as they are stored, and judges what is stored.
+fn finish(cell: u32, prepared: Cell, ended: Ended) -> CellFit {
+    let shape = ended.shape;
+    let weights: Vec<f32> = ended.weights.iter().map(|w| *w as f32).collect();
+    let stored: Vec<f64> = weights.iter().map(|w| f64::from(*w)).collect();
+    let mut on_training = Judge::on_training(&prepared, &shape, usize::MAX);
+    let mut on_validation = Judge::on_validation(&prepared, &shape, usize::MAX);
+    let share = prepared
+        .loss
+        .target_share(on_training.error(&stored).square);
+    let [train_error, validation_error] = [&mut on_training, &mut on_validation].map(|judge| {
+        judge.renew(&stored, share);
+        judge.error(&stored)
+    });
+    let metrics = CellMetrics {
+        cell,
+        seed: prepared.config.seed,
+        rows: prepared.samples.rows.len(),
+        train_rows: prepared.train_ids.len(),
+        validation_rows: prepared.validation_ids.len(),
+        quarantined_rows: prepared.report.quarantined.len(),
+        iterations: ended.iterations,
+        stop: ended.stop,
+        train_error,
+        validation_error,
+        alpha: ended.alpha,
+        mu: ended.mu,
+        effective_parameters: ended.gamma,
+        weights: weights.len(),
+        floor: prepared.floor,
+        seconds: 0.0,
     };
-    let mean = config.mean_luminance.map_or_else(own, f64::from);
-    // Black cells: any positive number, the errors are then absolute.
-    if mean > 0.0 {
-        config.epsilon * mean
-    } else {
-        1.0
+    let model = CellModel {
+        cell,
+        inputs: prepared.inputs.iter().map(|i| i.id).collect(),
+        input_offset: prepared.inputs.iter().map(|i| i.offset).collect(),
+        input_scale: prepared.inputs.iter().map(|i| i.scale).collect(),
+        shape,
+        weights,
+        output_scale: prepared.output.scale,
+        output_offset: prepared.output.offset,
+        divide_base: prepared.config.divide_base,
+    };
+    CellFit {
+        model,
+        metrics,
+        report: prepared.report,
     }
-}
-
-/// Weights of a start: uniform with variance 1 / inputs (LeCun et al. 1998), biases uniform in
-/// ±1 so that the units' thresholds spread over the standardised inputs.
-pub(crate) fn first_weights(shape: &Shape, stream: &Stream, start: u64) -> Vec<f64> {
-    let mut w = Vec::with_capacity(shape.weights());
-    for layer in shape.sizes.windows(2) {
-        let range = (3.0 / layer[0].max(1) as f64).sqrt();
-        for _ in 0..layer[1] {
-            for input in 0..=layer[0] {
-                let u = 2.0 * stream.f64(start, w.len() as u32) - 1.0;
-                w.push(if input == 0 { u } else { range * u });
-            }
-        }
-    }
-    w
 }

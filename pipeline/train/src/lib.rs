@@ -16,21 +16,29 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod blocks;
+mod cell;
 pub mod config;
+mod curvature;
 pub mod dense;
+mod descent;
 pub mod error;
 pub mod evidence;
 pub mod fit;
 pub mod gemm;
 pub mod halves;
+mod judge;
 pub mod linalg;
 pub mod lm;
+pub mod online;
 pub mod prepare;
 pub mod problem;
+mod prune;
+pub mod rows;
+mod search;
 pub mod simd;
 pub mod tile;
 
-pub use config::{Decay, TrainConfig};
+pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
 pub use error::TrainError;
 pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell};
 pub use halves::ErrorEstimate;

@@ -23,6 +23,17 @@ pub trait Problem {
     /// Fixes the weights s at w where they depend on it, fills JᵀWJ and JᵀWr, returns D(w).
     fn linearise(&mut self, w: &[f64], normal: &mut Normal) -> f64;
 
+    /// The parameters that r depends on linearly: a range, moved by [`Problem::project`].
+    fn linear(&self) -> std::ops::Range<usize> {
+        0..0
+    }
+
+    /// Moves the linear parameters to where F is least for the others as they are; false where
+    /// that has no unique answer, w then unmoved.
+    fn project(&mut self, _w: &mut [f64], _alpha: f64) -> bool {
+        false
+    }
+
     /// JᵀW r'' into `out`, r'' the second derivative of r along v; false where not supported.
     fn curvature(&mut self, _w: &[f64], _v: &[f64], _out: &mut [f64]) -> bool {
         false
@@ -98,6 +109,9 @@ pub struct LmConfig {
     pub damping_max: f64,
     /// The matrix that the damping multiplies.
     pub scaling: Scaling,
+    /// Variable projection (Golub, Pereyra 1973, in Kaufman's 1975 form): the linear parameters
+    /// are not damped, and solved for anew after each step of the others.
+    pub separable: bool,
     /// Largest ratio of acceleration to velocity, 2‖a‖/‖v‖ ≤ this; 0 turns acceleration off.
     pub acceleration: f64,
     /// Stop where ‖g‖∞ is below this times the larger of 1 and F.
@@ -114,6 +128,7 @@ impl Default for LmConfig {
             tau: 1e-3,
             damping_max: 1e12,
             scaling: Scaling::Identity,
+            separable: false,
             acceleration: 0.0,
             gradient: 1e-12,
             step: 1e-12,
@@ -200,7 +215,7 @@ impl Levenberg {
         if largest(&g) <= self.config.gradient * before.max(f64::MIN_POSITIVE) {
             return Err(Stop::Gradient);
         }
-        self.rescale();
+        self.rescale(problem.linear());
         for tries in 1.. {
             if self.mu > self.config.damping_max * self.largest {
                 return Err(Stop::Damping);
@@ -212,7 +227,10 @@ impl Levenberg {
             if squared(&delta).sqrt() <= self.config.step * (squared(w).sqrt() + self.config.step) {
                 return Err(Stop::Step);
             }
-            let trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
+            let mut trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
+            if self.config.separable {
+                problem.project(&mut trial, alpha);
+            }
             let data = problem.cost(&trial);
             let after = data + alpha * squared(&trial);
             let gain = (before - after) / promised;
@@ -233,13 +251,34 @@ impl Levenberg {
         Err(Stop::Damping)
     }
 
+    /// Before another problem of the same size: a damping that gave up on the last one is taken
+    /// back to where it started.
+    pub fn settle(&mut self) {
+        self.mu = self.mu.min(self.config.tau * self.largest);
+        self.nu = 2.0;
+    }
+
+    /// Follows a change in the number of residuals.
+    pub fn rescale_damping(&mut self, times: f64) {
+        self.mu *= times;
+        self.largest *= times;
+    }
+
     /// Weight decay by the evidence, from the normal equations of the last step.
-    pub fn evidence(&mut self, alpha: f64, w: &[f64], data: f64, count: f64) -> Option<Evidence> {
-        evidence::update(&mut self.factor, &self.normal, alpha, w, data, count).ok()
+    pub fn evidence(
+        &mut self,
+        alpha: f64,
+        w: &[f64],
+        data: f64,
+        residuals: f64,
+        overcount: f64,
+    ) -> Option<Evidence> {
+        let (factor, normal) = (&mut self.factor, &self.normal);
+        evidence::update(factor, normal, alpha, w, data, residuals, overcount).ok()
     }
 
     /// Refreshes S, and sets μ at the first step.
-    fn rescale(&mut self) {
+    fn rescale(&mut self, linear: std::ops::Range<usize>) {
         let n = self.normal.n;
         let diagonal = |i: usize| self.normal.matrix[i * n + i];
         let top = (0..n).map(diagonal).fold(0.0, f64::max);
@@ -266,6 +305,9 @@ impl Levenberg {
                     *s = 1.0;
                 }
             }
+        }
+        if self.config.separable {
+            self.scale[linear].fill(0.0);
         }
     }
 

@@ -2,8 +2,7 @@
 
 use crate::config::TrainConfig;
 use crate::error::TrainError;
-use crate::simd::TILE;
-use crate::tile::{Batch, CHANNELS, Rows};
+use crate::tile::CHANNELS;
 use rrf_field::columns::{self, Columns};
 use rrf_field::model::{self, INPUTS};
 
@@ -229,89 +228,38 @@ pub fn scale_outputs(samples: &Samples, rows: &[u32], floor: f64, divide: bool) 
     out
 }
 
-/// Mean squared noise of the targets relative to max(luminance, floor), over rows and channels:
-/// half the difference of two independent halves has the variance of their mean.
-pub fn noise(samples: &Samples, rows: &[u32], floor: f64) -> f64 {
-    let square = |&r: &u32| {
-        let d = 1.0 / luminance(samples.mean(r as usize)).max(floor);
-        let [a, b] = samples.halves.map(|half| half[r as usize].map(f64::from));
-        luminance(std::array::from_fn(|c| (0.5 * d * (a[c] - b[c])).powi(2)))
-    };
-    rows.iter().map(square).sum::<f64>() / rows.len().max(1) as f64
+/// The noise of the targets, told by the difference of two independent halves: half of it has
+/// the variance of their mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Noise {
+    /// Mean squared noise relative to max(luminance, floor), over rows and channels.
+    pub square: f64,
+    /// How many times the channels count the same noise: 1 where independent, 3 where equal.
+    /// With C the covariance of the channels' noise, 3 ‖C‖² / (tr C)².
+    pub overcount: f64,
 }
 
-/// Rows in memory, in a net's units.
-pub struct MemoryRows {
-    /// One column an input.
-    x: Vec<Vec<f32>>,
-    target: [Vec<f64>; CHANNELS],
-    gain: [Vec<f64>; CHANNELS],
-    base: Vec<f64>,
-}
-
-impl MemoryRows {
-    /// The rows named, scaled.
-    pub fn new(
-        samples: &Samples,
-        rows: &[u32],
-        inputs: &[Input],
-        output: &OutputScale,
-        divide: bool,
-    ) -> MemoryRows {
-        let scaled = |input: &Input| {
-            rows.iter()
-                .map(|&r| (input.values[r as usize] - input.offset) * input.scale)
-                .collect()
-        };
-        let mut result = MemoryRows {
-            x: inputs.iter().map(scaled).collect(),
-            target: Default::default(),
-            gain: Default::default(),
-            base: Vec::with_capacity(rows.len()),
-        };
-        for &row in rows {
-            let (y, base) = (
-                samples.mean(row as usize),
-                samples.base(row as usize, divide),
-            );
-            let mut zero = [0.0; CHANNELS];
-            for c in 0..CHANNELS {
-                let (scale, offset) = (f64::from(output.scale[c]), f64::from(output.offset[c]));
-                let target = (y[c] / base[c] - offset) / scale;
-                let used = base[c] > 0.0 && target.is_finite();
-                result.target[c].push(if used { target } else { 0.0 });
-                result.gain[c].push(if used { base[c] * scale } else { 0.0 });
-                zero[c] = base[c] * offset;
-            }
-            result.base.push(luminance(zero));
-        }
-        result
-    }
-
-    /// How many residuals count.
-    pub fn residuals(&self) -> usize {
-        let used = |gain: &Vec<f64>| gain.iter().filter(|g| **g > 0.0).count();
-        self.gain.iter().map(used).sum()
-    }
-}
-
-impl Rows for MemoryRows {
-    fn len(&self) -> usize {
-        self.base.len()
-    }
-
-    fn load(&self, first: usize, batch: &mut Batch) {
-        let rows = TILE.min(self.len().saturating_sub(first));
-        batch.rows = rows;
-        for (lane, column) in batch.x.iter_mut().zip(&self.x) {
-            for (x, value) in lane.iter_mut().zip(&column[first..first + rows]) {
-                *x = f64::from(*value);
+/// Noise over `rows`.
+pub fn noise(samples: &Samples, rows: &[u32], floor: f64) -> Noise {
+    let mut covariance = [[0.0; CHANNELS]; CHANNELS];
+    for &row in rows {
+        let d = 0.5 / luminance(samples.mean(row as usize)).max(floor);
+        let [a, b] = samples.halves.map(|half| half[row as usize].map(f64::from));
+        let e: [f64; CHANNELS] = std::array::from_fn(|c| d * (a[c] - b[c]));
+        for (i, row) in covariance.iter_mut().enumerate() {
+            for (j, sum) in row.iter_mut().enumerate() {
+                *sum += e[i] * e[j];
             }
         }
-        for c in 0..CHANNELS {
-            batch.target[c][..rows].copy_from_slice(&self.target[c][first..first + rows]);
-            batch.gain[c][..rows].copy_from_slice(&self.gain[c][first..first + rows]);
-        }
-        batch.base[..rows].copy_from_slice(&self.base[first..first + rows]);
+    }
+    let trace: f64 = (0..CHANNELS).map(|c| covariance[c][c]).sum();
+    let norm: f64 = covariance.iter().flatten().map(|c| c * c).sum();
+    Noise {
+        square: trace / (CHANNELS * rows.len().max(1)) as f64,
+        overcount: if trace > 0.0 {
+            CHANNELS as f64 * norm / (trace * trace)
+        } else {
+            1.0
+        },
     }
 }

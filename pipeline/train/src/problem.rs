@@ -1,6 +1,8 @@
 //! Training a net as a sum of squares: the [`Problem`] that Levenberg-Marquardt sees.
 
 use crate::blocks::{Accumulator, Normal};
+use crate::curvature::second_derivative;
+use crate::linalg::Cholesky;
 use crate::lm::Problem;
 use crate::simd::TILE;
 use crate::tile::{Rows, Tile};
@@ -46,33 +48,49 @@ impl Loss {
     }
 }
 
+/// Share of the largest diagonal entry that keeps the output layer's equations solvable where
+/// hidden units duplicate each other.
+const RIDGE: f64 = 1e-12;
+
 /// A net of one shape on some rows.
-pub struct NetProblem<'a, R: Rows> {
-    rows: &'a R,
+pub struct NetProblem<R: Rows> {
+    rows: R,
     loss: Loss,
     tile: Tile,
     sums: Accumulator,
+    output_sums: Accumulator,
+    gradient_sums: Accumulator,
+    output: Normal,
+    factor: Cholesky,
     /// 1 / max(luminance, floor) of each row, whole tiles.
     divisor: Vec<f64>,
     parameters: usize,
     /// ω of [`Loss::Relative`].
     share: f64,
     residuals: f64,
+    /// No divisor has been set yet.
+    fresh: bool,
 }
 
-impl<'a, R: Rows> NetProblem<'a, R> {
+impl<R: Rows> NetProblem<R> {
     /// A net of `shape` on `rows`, of which `residuals` values count; the first linearisation
     /// divides by the targets' luminance.
-    pub fn new(shape: &Shape, rows: &'a R, residuals: usize, loss: Loss) -> NetProblem<'a, R> {
+    pub fn new(shape: &Shape, rows: R, residuals: usize, loss: Loss) -> NetProblem<R> {
         let tile = Tile::new(shape);
+        let first = shape.offsets().last().copied().unwrap_or(0);
         NetProblem {
             sums: Accumulator::new(&tile),
+            output_sums: Accumulator::output_layer(&tile),
+            gradient_sums: Accumulator::gradient(&tile),
+            output: Normal::zeros(shape.weights() - first),
+            factor: Cholesky::default(),
             tile,
             divisor: vec![1.0; rows.len().next_multiple_of(TILE)],
             rows,
             loss,
             parameters: shape.weights(),
             share: 1.0,
+            fresh: true,
             residuals: residuals.max(1) as f64,
         }
     }
@@ -80,6 +98,11 @@ impl<'a, R: Rows> NetProblem<'a, R> {
     /// ω of [`Loss::Relative`] in the next linearisation.
     pub fn target_share(&self) -> f64 {
         self.share
+    }
+
+    /// Starts from another ω than 1.
+    pub fn set_target_share(&mut self, share: f64) {
+        self.share = share;
     }
 
     /// Runs the net over all rows and hands each tile to `see` with its first row.
@@ -100,7 +123,9 @@ impl<'a, R: Rows> NetProblem<'a, R> {
         if let Loss::Relative { floor, .. } = self.loss {
             let luminance = self.tile.luminance(self.share);
             for (d, l) in self.divisor[first..].iter_mut().zip(luminance) {
-                *d = 1.0 / l.max(floor);
+                // Halfway from the last: a full change makes bright and dark rows take turns.
+                let last = if self.fresh { l.max(floor) } else { 1.0 / *d };
+                *d = 1.0 / (0.5 * (l.max(floor) + last));
             }
         }
     }
@@ -113,7 +138,38 @@ impl<'a, R: Rows> NetProblem<'a, R> {
     }
 }
 
-impl<R: Rows> Problem for NetProblem<'_, R> {
+impl<R: Rows> Problem for NetProblem<R> {
+    fn linear(&self) -> std::ops::Range<usize> {
+        self.parameters - self.output.n..self.parameters
+    }
+
+    fn project(&mut self, w: &mut [f64], alpha: f64) -> bool {
+        self.output_sums.clear();
+        for first in (0..self.rows.len()).step_by(TILE) {
+            self.load(first);
+            self.tile.forward(w);
+            if self.fresh {
+                self.renew(first);
+            }
+            self.tile.residuals(&self.divisor[first..]);
+            self.output_sums.add(&self.tile);
+        }
+        self.output_sums.finish(&mut self.output);
+        let (n, top) = (self.output.n, self.linear());
+        let diagonal = |i: usize| self.output.matrix[i * n + i];
+        let largest = (0..n).map(diagonal).fold(0.0, f64::max);
+        let mut delta: Vec<f64> = (self.output.gradient.iter().zip(&w[top.clone()]))
+            .map(|(g, w)| -(g + alpha * w))
+            .collect();
+        let add = vec![alpha + RIDGE * largest; n];
+        let solved = (self.factor.factor(&self.output.matrix, &add))
+            .and_then(|()| self.factor.solve(&mut delta));
+        if solved.is_ok() {
+            w[top].iter_mut().zip(&delta).for_each(|(w, d)| *w += d);
+        }
+        solved.is_ok()
+    }
+
     fn parameters(&self) -> usize {
         self.parameters
     }
@@ -140,7 +196,23 @@ impl<R: Rows> Problem for NetProblem<'_, R> {
             self.sums.add(&self.tile);
         }
         self.sums.finish(normal);
+        self.fresh = false;
         self.reweigh(sum);
         sum
+    }
+
+    fn curvature(&mut self, w: &[f64], v: &[f64], out: &mut [f64]) -> bool {
+        self.gradient_sums.clear();
+        for first in (0..self.rows.len()).step_by(TILE) {
+            self.load(first);
+            self.tile.forward(w);
+            self.tile.residuals(&self.divisor[first..]);
+            let second = second_derivative(&self.tile, w, v);
+            self.tile.replace_residuals(&second);
+            self.tile.backward(w);
+            self.gradient_sums.add(&self.tile);
+        }
+        self.gradient_sums.finish_gradient(out);
+        true
     }
 }

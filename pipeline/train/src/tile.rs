@@ -61,6 +61,16 @@ pub trait Rows {
     fn load(&self, first: usize, batch: &mut Batch);
 }
 
+impl<R: Rows> Rows for &R {
+    fn len(&self) -> usize {
+        (*self).len()
+    }
+
+    fn load(&self, first: usize, batch: &mut Batch) {
+        (*self).load(first, batch);
+    }
+}
+
 /// What one tile's passes leave behind.
 pub struct Tile {
     pub(crate) sizes: Vec<usize>,
@@ -155,6 +165,15 @@ impl Tile {
             sum += self.r[c].iter().map(|r| r * r).sum::<f64>();
         }
         sum
+    }
+
+    /// Puts s times `values` in the residuals' place.
+    pub(crate) fn replace_residuals(&mut self, values: &[Lane; CHANNELS]) {
+        for ((r, s), value) in self.r.iter_mut().zip(&self.s).zip(values) {
+            for i in 0..TILE {
+                r[i] = s[i] * value[i];
+            }
+        }
     }
 
     /// Luminance (mean of the channels) of `share` times the targets plus 1 − `share` times the

@@ -1,0 +1,172 @@
+//! One net's way down: steps on a share of the rows, the best weights kept.
+
+use crate::cell::Cell;
+use crate::config::Decay;
+use crate::fit::HistoryRow;
+use crate::judge::Judge;
+use crate::lm::{Levenberg, Problem, Step, Stop};
+use crate::problem::NetProblem;
+use crate::tile::Rows;
+use rrf_field::net::Shape;
+
+/// Accepted steps after which the luminances that validation errors are divided by are renewed:
+/// at each of the first few, then now and then.
+fn renews_judge(step: usize) -> bool {
+    step <= 4 || step.is_multiple_of(4)
+}
+
+/// Accepted steps from one update of the weight decay to the next.
+const EVIDENCE: usize = 4;
+
+/// A net under way.
+#[derive(Clone)]
+pub(crate) struct Descent<'a> {
+    cell: &'a Cell<'a>,
+    pub shape: Shape,
+    /// Which start it came from.
+    pub start: u64,
+    w: Vec<f64>,
+    lm: Levenberg,
+    /// Weight decay a residual.
+    pub alpha: f64,
+    /// Effective parameters.
+    pub gamma: f64,
+    /// Residuals of the last run; the damping is in their proportion.
+    residuals: f64,
+    /// The lowest error on the choosing rows of the last run, and its weights.
+    pub error: f64,
+    pub best: Vec<f64>,
+    pub history: Vec<HistoryRow>,
+}
+
+/// How far a run goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Leg {
+    /// Share of the rows, both of training and of choosing.
+    pub share: f64,
+    /// Most accepted steps.
+    pub steps: usize,
+    /// Steps without a better error after which it ends.
+    pub patience: usize,
+}
+
+impl<'a> Descent<'a> {
+    pub fn new(cell: &'a Cell, shape: Shape, start: u64) -> Descent<'a> {
+        let w = cell.first_weights(&shape, start);
+        Descent::from_weights(cell, shape, start, w)
+    }
+
+    pub fn from_weights(cell: &'a Cell, shape: Shape, start: u64, w: Vec<f64>) -> Descent<'a> {
+        Descent {
+            lm: Levenberg::new(w.len(), cell.config.lm),
+            alpha: cell.config.decay.start(),
+            gamma: w.len() as f64,
+            residuals: 0.0,
+            error: f64::INFINITY,
+            best: w.clone(),
+            history: Vec::new(),
+            cell,
+            shape,
+            start,
+            w,
+        }
+    }
+
+    /// Damping at the end.
+    pub fn mu(&self) -> f64 {
+        self.lm.mu
+    }
+
+    /// Goes on from the best weights.
+    pub fn run(&mut self, leg: Leg) -> Stop {
+        let cell = self.cell;
+        let rows = cell
+            .train
+            .first((cell.train.len() as f64 * leg.share).ceil() as usize);
+        let residuals = rows.residuals().max(1);
+        let mut problem = NetProblem::new(&self.shape, rows, residuals, cell.loss);
+        let mut judge = Judge::choosing(cell, &self.shape, leg.share);
+        self.w.clone_from(&self.best);
+        let first_run = self.residuals == 0.0;
+        if first_run {
+            // Where it has no answer the output layer stays at zero: the mean, a valid start.
+            self.w[problem.linear()].fill(0.0);
+            problem.project(&mut self.w, self.alpha * residuals as f64);
+            self.best.clone_from(&self.w);
+        } else {
+            self.lm.rescale_damping(residuals as f64 / self.residuals);
+        }
+        self.residuals = residuals as f64;
+        self.error = judge.error(&self.best).square;
+        self.descend(&mut problem, &mut judge, leg)
+    }
+
+    fn descend(&mut self, problem: &mut impl NetSteps, judge: &mut Judge, leg: Leg) -> Stop {
+        let mut since = 0;
+        for taken in 1..=leg.steps {
+            let alpha = self.alpha * self.residuals;
+            let step = match self.lm.step(problem, &mut self.w, alpha) {
+                Ok(step) => step,
+                Err(stop) => return stop,
+            };
+            if renews_judge(taken) {
+                judge.renew(&self.best, problem.target_share());
+                self.error = judge.error(&self.best).square;
+            }
+            let error = judge.error(&self.w).square;
+            self.record(&step, error);
+            since += 1;
+            if error < self.error || !self.error.is_finite() {
+                self.error = error;
+                self.best.clone_from(&self.w);
+                since = 0;
+            }
+            if since >= leg.patience {
+                return Stop::Validation;
+            }
+            if step.before - step.after <= self.cell.config.lm.cost * step.before {
+                return Stop::Cost;
+            }
+            if let (Decay::Evidence(_), 0) = (self.cell.config.decay, taken % EVIDENCE) {
+                self.decay_by_evidence(step.data);
+            }
+        }
+        Stop::Iterations
+    }
+
+    fn record(&mut self, step: &Step, validation: f64) {
+        self.history.push(HistoryRow {
+            iteration: self.history.len() + 1,
+            residuals: self.residuals as usize,
+            cost: step.data / self.residuals,
+            validation,
+            mu: self.lm.mu,
+            gain: step.gain,
+        });
+    }
+
+    fn decay_by_evidence(&mut self, data: f64) {
+        let alpha = self.alpha * self.residuals;
+        if let Some(found) = self.lm.evidence(
+            alpha,
+            &self.w,
+            data,
+            self.residuals,
+            self.cell.noise.overcount,
+        ) {
+            self.alpha = found.alpha / self.residuals;
+            self.gamma = found.gamma;
+        }
+    }
+}
+
+/// A problem that tells how it weighs targets against predictions.
+pub(crate) trait NetSteps: Problem {
+    fn target_share(&self) -> f64;
+}
+
+impl<R: Rows> NetSteps for NetProblem<R> {
+    fn target_share(&self) -> f64 {
+        NetProblem::target_share(self)
+    }
+}

@@ -1,0 +1,137 @@
+//! Training that sees its rows once, batch after batch.
+//!
+//! *Online* steps on each batch's own cost, as Ren et al. 2013 describe it: nothing holds what
+//! earlier batches taught. *Recursive* keeps their accumulated JᵀWJ: with w₀ the weights where
+//! the last batch left them and M = λ Σ JᵀWJ of all batches so far, each batch minimises
+//!
+//! ```text
+//!   F(w) = D_batch(w) + (w − w₀)ᵀ M (w − w₀)
+//! ```
+//!
+//! the batch's cost and the quadratic that the past costs look like from w₀ (the iterated
+//! extended Kalman filter: Bell, Cathey 1993; for nets Puskorius, Feldkamp 1994).
+
+use crate::blocks::Normal;
+use crate::cell::Cell;
+use crate::config::Batches;
+use crate::fit::HistoryRow;
+use crate::judge::Judge;
+use crate::lm::{Levenberg, Problem, Stop};
+use crate::problem::NetProblem;
+use rrf_field::net::Shape;
+
+/// A problem with a quadratic penalty on leaving a point.
+pub struct Remembered<P> {
+    /// The batch's own cost.
+    pub batch: P,
+    /// M, and the point w₀ that it is about.
+    pub memory: Vec<f64>,
+    /// w₀.
+    pub origin: Vec<f64>,
+}
+
+impl<P> Remembered<P> {
+    /// M (w − w₀) and (w − w₀)ᵀ M (w − w₀).
+    fn pull(&self, w: &[f64]) -> (Vec<f64>, f64) {
+        let moved: Vec<f64> = w.iter().zip(&self.origin).map(|(w, o)| w - o).collect();
+        let force: Vec<f64> = (self.memory.chunks_exact(w.len().max(1)))
+            .map(|row| row.iter().zip(&moved).map(|(m, d)| m * d).sum())
+            .collect();
+        let cost = force.iter().zip(&moved).map(|(f, d)| f * d).sum();
+        (force, cost)
+    }
+}
+
+impl<P: Problem> Problem for Remembered<P> {
+    fn parameters(&self) -> usize {
+        self.batch.parameters()
+    }
+
+    fn cost(&mut self, w: &[f64]) -> f64 {
+        self.batch.cost(w) + self.pull(w).1
+    }
+
+    fn linearise(&mut self, w: &[f64], normal: &mut Normal) -> f64 {
+        let cost = self.batch.linearise(w, normal);
+        let (force, pull) = self.pull(w);
+        for (a, m) in normal.matrix.iter_mut().zip(&self.memory) {
+            *a += m;
+        }
+        for (g, f) in normal.gradient.iter_mut().zip(&force) {
+            *g += f;
+        }
+        cost + pull
+    }
+}
+
+/// Where an online fit ended.
+pub(crate) struct Online {
+    pub best: Vec<f64>,
+    pub error: f64,
+    pub stop: Stop,
+    pub mu: f64,
+    pub history: Vec<HistoryRow>,
+}
+
+/// Goes through the batches.
+pub(crate) fn train(cell: &Cell, shape: &Shape, batches: Batches) -> Online {
+    let forgetting = cell.config.forgetting();
+    let mut w = cell.first_weights(shape, 0);
+    let n = w.len();
+    // The output layer starts at zero, the mean: an answer should no batch give a better one.
+    let output = shape.offsets().last().copied().unwrap_or(0);
+    w[output..].fill(0.0);
+    let mut judge = Judge::choosing(cell, shape, 1.0);
+    let mut lm = Levenberg::new(n, cell.config.lm);
+    let mut memory = vec![0.0; n * n];
+    let mut best = (f64::INFINITY, w.clone());
+    let (mut history, mut share) = (Vec::new(), 1.0);
+    let rows = cell.train_ids.len();
+    for batch in 0..batches.epochs * rows.div_ceil(batches.rows) {
+        let first = batch % rows.div_ceil(batches.rows) * batches.rows;
+        let part = cell.train.part(first..first + batches.rows);
+        let residuals = part.residuals().max(1);
+        let alpha = cell.config.decay.start() * residuals as f64;
+        let mut problem = Remembered {
+            batch: NetProblem::new(shape, part, residuals, cell.loss),
+            memory,
+            origin: w.clone(),
+        };
+        problem.batch.set_target_share(share);
+        let mut last = None;
+        for _ in 0..batches.steps {
+            match lm.step(&mut problem, &mut w, alpha) {
+                Ok(step) => last = Some(step),
+                Err(_) => break,
+            }
+        }
+        share = problem.batch.target_share();
+        memory = problem.memory;
+        if forgetting > 0.0 {
+            // The matrix of the last linearisation holds M + JᵀWJ of this batch.
+            memory.clone_from(&lm.normal.matrix);
+            memory.iter_mut().for_each(|m| *m *= forgetting);
+        }
+        lm.settle();
+        judge.renew(&w, share);
+        let error = judge.error(&w).square;
+        if error < best.0 {
+            best = (error, w.clone());
+        }
+        history.push(HistoryRow {
+            iteration: batch + 1,
+            residuals,
+            cost: last.map_or(f64::NAN, |step| step.data / residuals as f64),
+            validation: error,
+            mu: lm.mu,
+            gain: last.map_or(f64::NAN, |step| step.gain),
+        });
+    }
+    Online {
+        error: best.0,
+        best: best.1,
+        stop: Stop::Iterations,
+        mu: lm.mu,
+        history,
+    }
+}

@@ -1,0 +1,105 @@
+//! Many starts, few finishes: successive halving of the starts while the rows double.
+//!
+//! Tiny nets from different first weights end up to a factor of two apart, and early errors on
+//! few rows foretell late ones on many well enough to drop the worse half at each rung
+//! (Jamieson, Talwalkar 2016). A rung of half the nets on twice the rows costs as much as the
+//! one before.
+
+use crate::cell::Cell;
+use crate::config::{LADDER, TrainConfig};
+use crate::descent::{Descent, Leg};
+use crate::lm::Stop;
+use rrf_field::net::Shape;
+
+/// Legs before the last, which runs on all rows: the share of the rows of each and how many
+/// nets run it.
+fn rungs(config: &TrainConfig, rows: usize, weights: usize) -> Vec<(f64, usize)> {
+    let mut rungs = Vec::new();
+    let (mut share, mut starts) = (0.5, 1);
+    for _ in 0..config.rungs {
+        // Fewer residuals than a few times the weights teach nothing about the whole.
+        if (rows as f64 * share) < LEAST_ROWS * weights as f64 {
+            break;
+        }
+        rungs.push((share, starts));
+        (share, starts) = (share * 0.5, (starts * 2).min(config.starts.max(1)));
+    }
+    rungs.reverse();
+    rungs
+}
+
+/// Rows a weight that a rung has at the least.
+const LEAST_ROWS: f64 = 3.0;
+
+/// The best net of a shape that the configuration's starts lead to.
+pub(crate) fn best_of_starts<'a>(cell: &'a Cell, shape: &Shape) -> Option<(Descent<'a>, Stop)> {
+    let config = cell.config;
+    let rungs = rungs(config, cell.train_ids.len(), shape.weights());
+    let starts = rungs.first().map_or(config.starts.max(1), |rung| rung.1);
+    let mut field: Vec<Descent> = (0..starts as u64)
+        .map(|start| Descent::new(cell, shape.clone(), start))
+        .collect();
+    for (share, survivors) in &rungs {
+        keep_best(&mut field, *survivors);
+        for descent in &mut field {
+            descent.run(Leg {
+                share: *share,
+                steps: config.rung_steps,
+                patience: config.rung_steps,
+            });
+        }
+    }
+    if !rungs.is_empty() {
+        keep_best(&mut field, 1);
+    }
+    finish(cell, field)
+}
+
+/// Climbs [`LADDER`] until a net's relative error is at most `target`; the best net of all
+/// where none is. Two rungs in a row without a gain of [`WORTHWHILE`] end the climb.
+pub(crate) fn smallest<'a>(cell: &'a Cell, target: f64) -> Option<(Descent<'a>, Stop)> {
+    let mut best: Option<(Descent, Stop)> = None;
+    let mut in_vain = 0;
+    for hidden in LADDER {
+        let (found, stop) = best_of_starts(cell, &cell.shape(hidden))?;
+        if found.error <= target * target {
+            return Some((found, Stop::Target));
+        }
+        let before = best.as_ref().map_or(f64::INFINITY, |(best, _)| best.error);
+        in_vain = if found.error < before * WORTHWHILE {
+            0
+        } else {
+            in_vain + 1
+        };
+        if found.error < before || best.is_none() {
+            best = Some((found, stop));
+        }
+        if in_vain == 2 {
+            break;
+        }
+    }
+    best
+}
+
+/// A squared error that this times the last is a gain.
+const WORTHWHILE: f64 = 0.95;
+
+/// Lowest errors first, ties by start; NaN last.
+fn keep_best(field: &mut Vec<Descent>, survivors: usize) {
+    field.sort_by(|a, b| a.error.total_cmp(&b.error).then(a.start.cmp(&b.start)));
+    field.truncate(survivors);
+}
+
+/// Runs all that are left on all rows; the best of them.
+fn finish<'a>(cell: &Cell, mut field: Vec<Descent<'a>>) -> Option<(Descent<'a>, Stop)> {
+    let last = Leg {
+        share: 1.0,
+        steps: cell.config.iterations,
+        patience: cell.config.patience,
+    };
+    let stops: Vec<Stop> = field.iter_mut().map(|descent| descent.run(last)).collect();
+    field
+        .into_iter()
+        .zip(stops)
+        .min_by(|(a, _), (b, _)| a.error.total_cmp(&b.error).then(a.start.cmp(&b.start)))
+}
