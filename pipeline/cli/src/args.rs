@@ -27,6 +27,12 @@ pub enum Command {
     Extract(ExtractArgs),
     /// The last stages of a bake alone: train, judge.
     Train(TrainArgs),
+    /// Tasks of a bake's next round as a table, for schedulers.
+    Plan(PlanArgs),
+    /// Do one task of a plan; done ones are skipped.
+    Task(TaskArgs),
+    /// Check that a round's tasks are done, make their fits the model, plan the next round.
+    Commit(CommitArgs),
     /// Render a frame by the baked nets (plus exact direct light).
     Render(RenderArgs),
     /// Render a frame, or points, by path tracing: the ground truth.
@@ -71,6 +77,17 @@ pub struct BakeArgs {
     /// The run folder to make.
     #[arg(short, long, value_name = "RUN")]
     pub output: PathBuf,
+    /// Begin no more work after this many seconds; the model of the last whole round stands.
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time_limit: Option<f32>,
+    /// Settings.
+    #[command(flatten)]
+    pub settings: BakeSettings,
+}
+
+/// What a bake is asked for.
+#[derive(Args, Clone, Debug)]
+pub struct BakeSettings {
     /// Where lights may stand; by default the middle 80 % of the scene's bounds.
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = parse_box, allow_hyphen_values = true)]
     pub light_box: Option<[f32; 6]>,
@@ -83,9 +100,6 @@ pub struct BakeArgs {
     /// How much work.
     #[arg(long, value_enum, default_value_t = Preset::Standard)]
     pub preset: Preset,
-    /// Stop starting new work after this many seconds.
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    pub time_limit: Option<f32>,
     /// Go on with a run that was cut off; what is done stays.
     #[arg(long)]
     pub resume: bool,
@@ -95,9 +109,15 @@ pub struct BakeArgs {
     /// Paths a row, instead of the preset's.
     #[arg(long, value_name = "N")]
     pub paths: Option<u32>,
-    /// Cells at the most, instead of the preset's.
+    /// Cells of the first round at the most, instead of the preset's.
     #[arg(long, value_name = "N")]
     pub cells: Option<u32>,
+    /// Rounds at the most, instead of the preset's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub rounds: Option<u32>,
+    /// Cells of all rounds at the most, instead of the preset's.
+    #[arg(long, value_name = "N")]
+    pub most_cells: Option<u32>,
     /// Reading the scene.
     #[command(flatten)]
     pub scene_options: SceneOptions,
@@ -130,6 +150,50 @@ pub struct ExtractArgs {
 pub struct TrainArgs {
     /// The run folder, extracted.
     pub run: PathBuf,
+}
+
+/// `rrf plan`.
+#[derive(Args, Clone, Debug)]
+pub struct PlanArgs {
+    /// A run folder; or, with --output, a scene file.
+    #[arg(value_name = "RUN|SCENE")]
+    pub input: PathBuf,
+    /// The run folder to make for a scene.
+    #[arg(short, long, value_name = "RUN")]
+    pub output: Option<PathBuf>,
+    /// Print the ids of the tasks that are not done.
+    #[arg(long)]
+    pub missing: bool,
+    /// Print the tasks as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Settings of a new run.
+    #[command(flatten)]
+    pub settings: BakeSettings,
+}
+
+/// `rrf task`.
+#[derive(Args, Clone, Debug)]
+pub struct TaskArgs {
+    /// The plan, RUN/rounds/000/tasks.parquet.
+    #[arg(long, value_name = "P")]
+    pub plan: PathBuf,
+    /// Which task; by default SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
+    #[arg(long, value_name = "N")]
+    pub index: Option<u32>,
+    /// Added to the index of a scheduler, for plans larger than its arrays may be.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub offset: u32,
+}
+
+/// `rrf commit`.
+#[derive(Args, Clone, Debug)]
+pub struct CommitArgs {
+    /// The run folder.
+    pub run: PathBuf,
+    /// Print what came out as JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// A view; what is not given comes from the scene's first camera.

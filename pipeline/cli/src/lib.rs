@@ -14,6 +14,7 @@ mod progress;
 mod query;
 mod render;
 mod scene;
+mod tasks;
 mod trace;
 mod view;
 
@@ -44,6 +45,9 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Bake(args) => bake::bake(args, cli.quiet),
         Command::Extract(args) => bake::extract(args, cli.quiet),
         Command::Train(args) => bake::train(args, cli.quiet),
+        Command::Plan(args) => tasks::plan(args),
+        Command::Task(args) => tasks::task(args),
+        Command::Commit(args) => tasks::commit(args),
         Command::Render(args) => render::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Trace(args) => trace::run(args, cli.quiet),
