@@ -8,6 +8,7 @@
 //! - [`lm`] takes damped steps on any [`lm::Problem`], [`linalg`] factors;
 //!   Other people's problems come in through [`dense`];
 //! - [`problem`] makes a net and its relative loss such a problem;
+//! - [`rows`] holds the rows in memory, [`streamed`] reads them again at each pass;
 //! - [`halves`] tells errors without Monte Carlo noise;
 //! - [`fit`] puts it together: [`fit::fit_cell`].
 //!
@@ -36,6 +37,7 @@ mod prune;
 pub mod rows;
 mod search;
 pub mod simd;
+pub mod streamed;
 pub mod tile;
 
 pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
