@@ -1,6 +1,6 @@
 //! `rrf bake`, `rrf extract`, `rrf train`.
 
-use crate::args::{BakeArgs, ExtractArgs, TrainArgs};
+use crate::args::{BakeArgs, ExtractArgs, TrainArgs, TrainMode};
 use crate::progress::Bars;
 use crate::scene;
 use rrf_bake::{BakeConfig, Judgement, Preset, Run};
@@ -46,11 +46,33 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
 
 /// Train, judge.
 pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
-    let run = Run::open(&args.run)?;
+    let mut run = Run::open(&args.run)?;
+    run.config.train.mode = mode(args);
     let plan = run.plan()?;
     rrf_bake::train(&run, &plan, &Bars::new(quiet))?;
     print_judgement(&rrf_bake::judge(&run, &plan)?, run.config.target);
     Ok(())
+}
+
+/// Steps on a batch: enough for its minimum, where the batch alone decides, a few where it only
+/// corrects what the earlier ones taught.
+const BATCH_STEPS: [usize; 2] = [10, 3];
+
+fn mode(args: &TrainArgs) -> rrf_train::Mode {
+    let batches = |steps| rrf_train::Batches {
+        rows: args.batch as usize,
+        steps,
+        epochs: 1,
+    };
+    let [online, recursive] = BATCH_STEPS;
+    match args.mode {
+        TrainMode::Local => rrf_train::Mode::Local,
+        TrainMode::Online => rrf_train::Mode::Online(batches(online)),
+        TrainMode::Recursive => rrf_train::Mode::Recursive {
+            batches: batches(recursive),
+            forgetting: 1.0,
+        },
+    }
 }
 
 fn config(args: &BakeArgs, scene: &Scene) -> Result<BakeConfig, ExtractError> {

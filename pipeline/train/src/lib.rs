@@ -6,7 +6,7 @@
 //! - [`tile`] runs a net over 128 rows at a time, [`blocks`] sums JᵀWJ from them without ever
 //!   forming J, on one matrix kernel ([`gemm`]) and a vectorised tanh ([`simd`]);
 //! - [`lm`] takes damped steps on any [`lm::Problem`], [`linalg`] factors;
-//!   Other people's problems come in through [`dense`];
+//!   other people's problems come in through [`dense`];
 //! - [`problem`] makes a net and its relative loss such a problem;
 //! - [`rows`] holds the rows in memory, [`streamed`] reads them again at each pass;
 //! - [`halves`] tells errors without Monte Carlo noise;
@@ -28,11 +28,13 @@ pub mod fit;
 pub mod gemm;
 pub mod halves;
 mod judge;
+mod levenberg;
 pub mod linalg;
 pub mod lm;
 pub mod online;
 pub mod prepare;
 pub mod problem;
+mod products;
 mod prune;
 pub mod rows;
 mod search;

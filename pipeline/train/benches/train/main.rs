@@ -102,6 +102,8 @@ fn fused_multiply_adds(sizes: &[usize]) -> usize {
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
+// In any one copy, two of the conditions are the same constant.
+#[allow(clippy::ifs_same_cond)]
 fn peak(count: usize, x: f64) -> f64 {
     if target_cfg_f!(target_feature = "avx512f") {
         spin::<192, true>(count, x)

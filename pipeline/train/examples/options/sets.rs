@@ -1,6 +1,6 @@
 //! Named sets of options.
 
-use rrf_train::{Decay, LmConfig, Scaling, Size, TrainConfig};
+use rrf_train::{Batches, Decay, LmConfig, Mode, Scaling, Size, TrainConfig};
 
 fn lm(change: impl Fn(&mut LmConfig)) -> TrainConfig {
     let mut config = TrainConfig::default();
@@ -12,6 +12,30 @@ fn with(change: impl Fn(&mut TrainConfig)) -> TrainConfig {
     let mut config = TrainConfig::default();
     change(&mut config);
     config
+}
+
+fn online(rows: usize, steps: usize, epochs: usize) -> TrainConfig {
+    with(|c| {
+        c.mode = Mode::Online(Batches {
+            rows,
+            steps,
+            epochs,
+        })
+    })
+}
+
+fn recursive(rows: usize, steps: usize, epochs: usize, forgetting: f64) -> TrainConfig {
+    let batches = Batches {
+        rows,
+        steps,
+        epochs,
+    };
+    with(|c| {
+        c.mode = Mode::Recursive {
+            batches,
+            forgetting,
+        }
+    })
 }
 
 /// Everything that the documentation's tables compare.
@@ -41,6 +65,7 @@ pub fn all() -> Vec<(&'static str, TrainConfig)> {
         ("decay-none", with(|c| c.decay = Decay::Fixed(0.0))),
         ("decay-1e-6", with(|c| c.decay = Decay::Fixed(1e-6))),
         ("decay-1e-4", with(|c| c.decay = Decay::Fixed(1e-4))),
+        ("rungs-0", with(|c| c.rungs = 0)),
         ("rungs-1", with(|c| c.rungs = 1)),
         ("rungs-2", with(|c| c.rungs = 2)),
         ("rungs-3", with(|c| c.rungs = 3)),
@@ -51,7 +76,9 @@ pub fn all() -> Vec<(&'static str, TrainConfig)> {
         ("starts-2-rungs-2", with(|c| (c.starts, c.rungs) = (2, 2))),
         ("starts-4-rungs-3", with(|c| (c.starts, c.rungs) = (4, 3))),
         ("starts-8-rungs-3", with(|c| (c.starts, c.rungs) = (8, 3))),
-        ("starts-4", with(|c| c.starts = 4)),
+        ("starts-4-rungs-0", with(|c| (c.starts, c.rungs) = (4, 0))),
+        ("rungs-2-projection", lm(|c| c.separable = true)),
+        ("rungs-2-acceleration", lm(|c| c.acceleration = 0.75)),
         ("absolute", with(|c| c.relative = false)),
         ("net-linear", with(|c| c.size = Size::Hidden(vec![]))),
         ("net-4", with(|c| c.size = Size::Hidden(vec![4]))),
@@ -76,5 +103,12 @@ pub fn all() -> Vec<(&'static str, TrainConfig)> {
             "smallest-10-prune",
             with(|c| (c.size, c.prune) = (Size::Smallest { target: 0.10 }, Some(0.02))),
         ),
+        ("mode-online-512-1", online(512, 1, 1)),
+        ("mode-online-512-10", online(512, 10, 1)),
+        ("mode-online-512-10-x4", online(512, 10, 4)),
+        ("mode-recursive-512-1", recursive(512, 1, 1, 1.0)),
+        ("mode-recursive-512-3", recursive(512, 3, 1, 1.0)),
+        ("mode-recursive-512-10", recursive(512, 10, 1, 1.0)),
+        ("mode-recursive-512-3-x4", recursive(512, 3, 4, 0.9)),
     ]
 }

@@ -55,8 +55,8 @@ impl Rows for Taught {
                 .zip(&x)
                 .for_each(|(lane, x)| lane[i] = *x);
             let y = net::evaluate(&self.shape, &self.teacher, &x);
-            for c in 0..3 {
-                batch.target[c][i] = y[c];
+            for (c, y) in y.iter().enumerate() {
+                batch.target[c][i] = *y;
                 batch.gain[c][i] = 1.0;
             }
         }
