@@ -150,6 +150,23 @@ pub struct ExtractArgs {
 pub struct TrainArgs {
     /// The run folder, extracted.
     pub run: PathBuf,
+    /// Which rows a step of the trainer sees.
+    #[arg(long, value_enum, default_value_t = TrainMode::Local)]
+    pub mode: TrainMode,
+    /// Rows a batch, with `--mode online` and `--mode recursive`.
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
+    pub batch: u32,
+}
+
+/// Which rows a step of the trainer sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TrainMode {
+    /// All rows of the cell.
+    Local,
+    /// Batch after batch, each on its own: forgets; to compare with.
+    Online,
+    /// Batch after batch, keeping what the earlier ones taught.
+    Recursive,
 }
 
 /// `rrf plan`.

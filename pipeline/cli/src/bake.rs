@@ -1,6 +1,6 @@
 //! `rrf bake`, `rrf extract`, `rrf train`.
 
-use crate::args::{BakeArgs, BakeSettings, ExtractArgs, TrainArgs};
+use crate::args::{BakeArgs, BakeSettings, ExtractArgs, TrainArgs, TrainMode};
 use crate::progress::Bars;
 use crate::scene;
 use rrf_bake::{BakeConfig, BakeError, Judgement, Next, Preset, Run, Site, Stage};
@@ -57,7 +57,8 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
 
 /// Train, judge: the round that is extracted.
 pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
-    let run = Run::open(&args.run)?;
+    let mut run = Run::open(&args.run)?;
+    run.config.train.mode = mode(args);
     let standing = rrf_bake::standing(&run)?;
     let Some(plan) = standing.todo else {
         let judged = standing.judged.ok_or_else(|| BakeError::NotExtracted {
@@ -81,6 +82,27 @@ pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
         ),
     }
     Ok(())
+}
+
+/// Steps on a batch: enough for its minimum, where the batch alone decides, a few where it only
+/// corrects what the earlier ones taught.
+const BATCH_STEPS: [usize; 2] = [10, 3];
+
+fn mode(args: &TrainArgs) -> rrf_train::Mode {
+    let batches = |steps| rrf_train::Batches {
+        rows: args.batch as usize,
+        steps,
+        epochs: 1,
+    };
+    let [online, recursive] = BATCH_STEPS;
+    match args.mode {
+        TrainMode::Local => rrf_train::Mode::Local,
+        TrainMode::Online => rrf_train::Mode::Online(batches(online)),
+        TrainMode::Recursive => rrf_train::Mode::Recursive {
+            batches: batches(recursive),
+            forgetting: 1.0,
+        },
+    }
 }
 
 /// The settings that the arguments mean.

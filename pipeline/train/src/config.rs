@@ -91,8 +91,8 @@ pub struct TrainConfig {
     pub mode: Mode,
     /// Weight decay.
     pub decay: Decay,
-    /// Nets that start from different first weights; a power of two. The better half goes on at
-    /// each rung.
+    /// Nets that start from different first weights. The best go on from rung to rung, half as many
+    /// at each, one on all rows; without rungs all run to the end.
     pub starts: usize,
     /// Legs on a part of the rows before the one on all: the last on half of them, the one
     /// before on a quarter, and so on.
@@ -139,7 +139,7 @@ impl Default for TrainConfig {
             mode: Mode::Local,
             decay: Decay::Evidence(1e-6),
             starts: 1,
-            rungs: 0,
+            rungs: 2,
             rung_steps: 5,
             iterations: 60,
             patience: 6,
