@@ -3,17 +3,21 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod animate;
 mod args;
 mod bake;
+mod baked;
 mod compare;
 mod doctor;
 mod failure;
+mod page;
 mod pictures;
 mod points;
 mod progress;
 mod query;
 mod render;
 mod scene;
+mod stats;
 mod trace;
 mod view;
 
@@ -49,6 +53,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Trace(args) => trace::run(args, cli.quiet),
         Command::Query(args) => query::run(args),
         Command::Scene(args) => scene::run(args),
+        Command::View(args) => page::run(args),
         Command::Doctor(_) => doctor::run(),
     }
 }
