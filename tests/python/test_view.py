@@ -109,7 +109,7 @@ class Viewer:
 
     def wait_paths(self, paths):
         """Until the traced picture has so many paths a pixel."""
-        self.until(f"Number(document.body.dataset.paths || 0) >= {paths}", 120)
+        self.until(f"Number(document.body.dataset.paths || 0) >= {paths}", 60 + 20 * paths)
 
     def digest(self):
         return self.page.evaluate(DIGEST)
@@ -405,7 +405,7 @@ def test_screenshot(viewer):
     viewer.change(lambda: page.click("#add"))
     viewer.change(lambda: page.fill("#colour", "#ff9050"))
     page.click("#trace")
-    goal = 64 if target else 2
+    goal = 16 if target else 2
     viewer.wait_paths(goal)
     shot = page.screenshot(path=target) if target else page.screenshot()
     assert len(shot) > 20_000
