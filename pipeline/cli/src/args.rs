@@ -43,6 +43,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Print what was understood of a scene file.
     Scene(SceneArgs),
+    /// Look through a baked scene in a browser: move, drag lights, compare with the truth.
+    View(PageArgs),
     /// Check what this machine offers and whether the program works on it.
     Doctor(DoctorArgs),
 }
@@ -225,6 +227,9 @@ pub struct ViewArgs {
     /// Up direction.
     #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub up: Option<[f32; 3]>,
+    /// Turn image left and right around, as left-handed scenes' own cameras do.
+    #[arg(long, requires = "eye")]
+    pub mirror: bool,
     /// Full angle of the shorter image side [degrees].
     #[arg(long, value_name = "DEG", value_parser = positive)]
     pub fov: Option<f32>,
@@ -261,10 +266,50 @@ pub enum Part {
 pub struct RenderArgs {
     /// The run folder, baked.
     pub run: PathBuf,
-    /// Picture to write (.exr with layers, .png tone-mapped); again for more.
+    /// Picture to write (.exr with layers, .png tone-mapped); again for more. With --path the
+    /// new folder for frames.
     #[arg(short, long, value_name = "F", required = true)]
     pub output: Vec<PathBuf>,
+    /// A frame for each row of a table with the columns eye_x eye_y eye_z target_x target_y
+    /// target_z fov, optionally up_x up_y up_z and light0_x light0_y light0_z [light0_r light0_g
+    /// light0_b], light1_x ...
+    #[arg(long, value_name = "CAMERA.csv", conflicts_with_all = ["eye", "look_at", "up", "fov", "frames", "mirror"])]
+    pub path: Option<PathBuf>,
+    /// Formats of the frames of --path.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [FrameFormat::Exr, FrameFormat::Png])]
+    pub formats: Vec<FrameFormat>,
     /// View and lights.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output).
+    #[arg(long, value_name = "FILE")]
+    pub json_stats: Option<PathBuf>,
+    /// Render the frame N times, for --json-stats in steady state.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "json_stats", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: u32,
+}
+
+/// A format of frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FrameFormat {
+    /// OpenEXR, linear, with every layer.
+    Exr,
+    /// 8-bit sRGB, tone-mapped.
+    Png,
+}
+
+/// `rrf view`.
+#[derive(Args, Clone, Debug)]
+pub struct PageArgs {
+    /// The run folder, baked.
+    pub run: PathBuf,
+    /// Port on 127.0.0.1; 0 for a free one.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub port: u16,
+    /// Open the page in the desktop's browser; otherwise its URL is printed, and that is all.
+    #[arg(long)]
+    pub open: bool,
+    /// Where the page starts.
     #[command(flatten)]
     pub view: ViewArgs,
 }

@@ -3,11 +3,14 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod animate;
 mod args;
 mod bake;
+mod baked;
 mod compare;
 mod doctor;
 mod failure;
+mod page;
 mod pictures;
 mod points;
 mod progress;
@@ -15,6 +18,7 @@ mod query;
 mod render;
 mod scene;
 mod tasks;
+mod stats;
 mod trace;
 mod view;
 
@@ -53,6 +57,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Trace(args) => trace::run(args, cli.quiet),
         Command::Query(args) => query::run(args),
         Command::Scene(args) => scene::run(args),
+        Command::View(args) => page::run(args),
         Command::Doctor(_) => doctor::run(),
     }
 }
