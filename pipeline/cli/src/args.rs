@@ -27,6 +27,8 @@ pub enum Command {
     Extract(ExtractArgs),
     /// The last stages of a bake alone: train, judge.
     Train(TrainArgs),
+    /// Bake everything that a file lists; again: only what changed.
+    Run(RunArgs),
     /// Tasks of a bake's next round as a table, for schedulers.
     Plan(PlanArgs),
     /// Do one task of a plan; done ones are skipped.
@@ -183,6 +185,19 @@ pub enum TrainMode {
     Online,
     /// Batch after batch, keeping what the earlier ones taught.
     Recursive,
+}
+
+/// `rrf run`.
+#[derive(Args, Clone, Debug)]
+pub struct RunArgs {
+    /// The list, TOML (see docs/batch.md).
+    pub batch: PathBuf,
+    /// Check everything and print what it would take; nothing is written.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// How long all of it and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
 }
 
 /// `rrf plan`.
@@ -509,7 +524,7 @@ fn parse_bytes(text: &str) -> Result<u64, String> {
         _ => return Err(format!("{unit}: units are B, kB, MB, GB, KiB, MiB, GiB")),
     };
     let bytes = number * scale;
-    if bytes >= 1.0 && bytes < 1e18 {
+    if (1.0..1e18).contains(&bytes) {
         Ok(bytes as u64)
     } else {
         Err(format!("{text}: not a size of memory"))

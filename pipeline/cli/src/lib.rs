@@ -7,6 +7,7 @@ mod animate;
 mod args;
 mod bake;
 mod baked;
+mod batch;
 mod compare;
 mod doctor;
 mod failure;
@@ -49,6 +50,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Bake(args) => bake::bake(args, cli.quiet),
         Command::Extract(args) => bake::extract(args, cli.quiet),
         Command::Train(args) => bake::train(args, cli.quiet),
+        Command::Run(args) => batch::run(args, cli.quiet),
         Command::Plan(args) => tasks::plan(args),
         Command::Task(args) => tasks::task(args),
         Command::Commit(args) => tasks::commit(args),
