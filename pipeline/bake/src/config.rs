@@ -66,7 +66,6 @@ impl BakeConfig {
             train: TrainConfig {
                 seed,
                 exponential: true,
-                iterations: 40,
                 ..TrainConfig::default()
             },
         }

@@ -17,8 +17,8 @@ mod progress;
 mod query;
 mod render;
 mod scene;
-mod tasks;
 mod stats;
+mod tasks;
 mod trace;
 mod view;
 
