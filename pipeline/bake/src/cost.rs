@@ -20,7 +20,7 @@ const DRAWN_ROW: u64 = 600;
 /// Bytes of a row as it is read and trained on.
 const TRAINED_ROW: u64 = 500;
 /// Bytes that a task needs whatever its rows.
-const BASE: u64 = 64 << 20;
+const BASE: u64 = 24 << 20;
 
 /// Seconds of one core.
 pub(crate) fn extract_seconds(part: &PartPlan, draw: &DrawPlan) -> f64 {

@@ -73,6 +73,16 @@ pub enum BakeError {
         /// Tasks that are not done.
         missing: usize,
     },
+    /// A task does not fit into memory.
+    #[error(
+        "a task needs about {needed} bytes of memory, --memory is {memory}: allow more, or bake with more cells of fewer rows"
+    )]
+    Memory {
+        /// Bytes that the largest task needs.
+        needed: u64,
+        /// Bytes allowed.
+        memory: u64,
+    },
     /// Stopped between two tasks; everything done so far stays.
     #[error("stopped by {}; what is done stays: go on by `rrf bake --resume`", match why { Halt::Time => "the time limit before the first round was done", Halt::Interrupt => "a signal" })]
     Halted {

@@ -16,6 +16,7 @@ mod bake;
 mod commit;
 mod config;
 mod cost;
+mod crew;
 mod decide;
 mod error;
 mod judge;

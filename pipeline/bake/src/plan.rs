@@ -65,32 +65,21 @@ pub struct RoundPlan {
 }
 
 impl RoundPlan {
-    /// Round 0: a draw and a fit for every cell of the first tree.
+    /// Round 0: draws and a fit for every cell of the first tree.
     pub fn first(plan: FirstPlan, diagonal: f32, paths: u32, size: &Size) -> RoundPlan {
-        let leaves = plan.tree.leaves();
-        let draws = leaves
-            .iter()
-            .zip(&plan.cells)
-            .map(|(&leaf, share)| DrawPlan {
-                node: leaf as u32,
-                rows: share.rows,
-                paths,
-            });
-        let cells = (0u32..).zip(&plan.cells).map(|(cell, share)| CellPlan {
+        let mut draws = Vec::new();
+        let cells = (0u32..).zip(plan.tree.leaves()).zip(&plan.cells);
+        let cells = cells.map(|((cell, leaf), share)| CellPlan {
             cell,
             measure: share.measure,
-            parts: vec![PartPlan {
-                part: 0,
-                draw: cell,
-                from: None,
-            }],
+            parts: draw_parts(&mut draws, leaf as u32, share.rows, paths, 0),
             size: size.clone(),
             fitted: 0,
         });
         RoundPlan {
             round: 0,
-            draws: draws.collect(),
             cells: cells.collect(),
+            draws,
             tree: plan.tree,
             lambert: plan.lambert,
             mean_luminance: plan.mean_luminance,
@@ -121,4 +110,34 @@ impl RoundPlan {
         }
         Ok(())
     }
+}
+
+/// Rows of one draw at the most: bounds what a task holds in memory, whatever the run's size.
+const MOST_ROWS: u32 = 1 << 16;
+
+/// New draws of `rows` rows together inside a node's box, as parts from number `first` on.
+pub(crate) fn draw_parts(
+    draws: &mut Vec<DrawPlan>,
+    node: u32,
+    rows: u32,
+    paths: u32,
+    first: u32,
+) -> Vec<PartPlan> {
+    let count = rows.div_ceil(MOST_ROWS).max(1);
+    let share = |i: u32| rows / count + u32::from(i < rows % count);
+    (0..count)
+        .map(|i| {
+            let draw = draws.len() as u32;
+            draws.push(DrawPlan {
+                node,
+                rows: share(i),
+                paths,
+            });
+            PartPlan {
+                part: first + i,
+                draw,
+                from: None,
+            }
+        })
+        .collect()
 }

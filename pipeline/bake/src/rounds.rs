@@ -4,6 +4,7 @@
 //! with the task that it was cut off in, and so that the tasks may as well be done by others.
 
 use crate::commit::{commit, missing};
+use crate::crew;
 use crate::decide::{Next, Stop, decide};
 use crate::error::BakeError;
 use crate::judge::Judgement;
@@ -12,7 +13,6 @@ use crate::run::{Judged, Run};
 use crate::task::{Stage, Task, is_done, tasks};
 use crate::watch::Watch;
 use crate::work::{Site, perform};
-use rayon::prelude::*;
 use rrf_extract::Census;
 
 /// Where a run stands.
@@ -94,8 +94,9 @@ pub fn perform_stage(
     // the long ones first, so that no thread is left alone with one at the end
     todo.sort_by(|a, b| b.seconds.total_cmp(&a.seconds).then(a.cell.cmp(&b.cell)));
     let weight = |task: &Task| (task.seconds * 1000.0) as u64 + 1;
+    let crew = crew::size(&todo, watch.memory())?;
     watch.begin(stage, plan.round, todo.iter().map(weight).sum());
-    let done = todo.par_iter().with_max_len(1).try_for_each(|task| {
+    let done = crew::work(crew, &todo, |task| {
         if let Some(why) = watch.halted() {
             return Err(BakeError::Halted { why });
         }

@@ -22,6 +22,10 @@ pub trait Watch: Sync {
     fn end(&self);
     /// A round was committed.
     fn judged(&self, _round: u32, _judgement: &Judgement) {}
+    /// Bytes that the tasks in hand may need together; none for no bound.
+    fn memory(&self) -> Option<u64> {
+        None
+    }
     /// Whether no further task should begin.
     fn halted(&self) -> Option<Halt> {
         None

@@ -79,12 +79,23 @@ pub struct BakeArgs {
     /// The run folder to make.
     #[arg(short, long, value_name = "RUN")]
     pub output: PathBuf,
-    /// Begin no more work after this many seconds; the model of the last whole round stands.
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    pub time_limit: Option<f32>,
+    /// How long and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
     /// Settings.
     #[command(flatten)]
     pub settings: BakeSettings,
+}
+
+/// What a bake may take; what it makes does not depend on it, but for how many rounds.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Bounds {
+    /// Begin no more work after this many seconds; the model of the last whole round stands.
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time_limit: Option<f32>,
+    /// Memory that the work in hand may need: fewer tasks side by side.
+    #[arg(long, value_name = "BYTES|2GiB", value_parser = parse_bytes)]
+    pub memory: Option<u64>,
 }
 
 /// What a bake is asked for.
@@ -158,6 +169,9 @@ pub struct TrainArgs {
     /// Rows a batch, with `--mode online` and `--mode recursive`.
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
     pub batch: u32,
+    /// How long and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
 }
 
 /// Which rows a step of the trainer sees.
@@ -476,5 +490,28 @@ fn unit_interval(text: &str) -> Result<f32, String> {
         Ok(x)
     } else {
         Err("has to be from 0 to 1".into())
+    }
+}
+
+/// `1500000`, `512MiB`, `2GB`.
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.');
+    let (number, unit) = text.split_at(digits.unwrap_or(text.len()));
+    let number: f64 = number.parse().map_err(|_| format!("{text}: no size"))?;
+    let scale: f64 = match unit.trim() {
+        "" | "B" => 1.0,
+        "kB" => 1e3,
+        "MB" => 1e6,
+        "GB" => 1e9,
+        "KiB" => 1024.0,
+        "MiB" => 1048576.0,
+        "GiB" => 1073741824.0,
+        _ => return Err(format!("{unit}: units are B, kB, MB, GB, KiB, MiB, GiB")),
+    };
+    let bytes = number * scale;
+    if bytes >= 1.0 && bytes < 1e18 {
+        Ok(bytes as u64)
+    } else {
+        Err(format!("{text}: not a size of memory"))
     }
 }

@@ -14,7 +14,7 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
     let start = Instant::now();
     let scene = scene::load(&args.scene, &args.settings.scene_options)?;
     let config = config(&args.settings, &scene)?;
-    let watch = Bars::new(quiet, args.time_limit)?;
+    let watch = Bars::new(quiet, &args.bounds)?;
     let ended = rrf_bake::bake(&scene, &config, &args.output, args.settings.resume, &watch)?;
     print_census(&ended.census);
     print_judgement(&ended.judgement, config.target);
@@ -44,7 +44,7 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     if let Some(&cell) = args.cell.iter().find(|&&cell| cell > last) {
         return Err(BakeError::NoSuchCell { cell, last }.into());
     }
-    let watch = Bars::new(quiet, bake.time_limit)?;
+    let watch = Bars::new(quiet, &bake.bounds)?;
     rrf_bake::perform_stage(&run, &plan, Some(&site), Stage::Extract, only, &watch)?;
     print_census(&plan.census);
     println!(
@@ -69,7 +69,7 @@ pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
         print_judgement(&judged.judgement, run.config.target);
         return Ok(());
     };
-    let watch = Bars::new(quiet, None)?;
+    let watch = Bars::new(quiet, &args.bounds)?;
     rrf_bake::perform_stage(&run, &plan, None, Stage::Train, None, &watch)?;
     let (judgement, next) = rrf_bake::finish_round(&run, &plan)?;
     print_judgement(&judgement, run.config.target);

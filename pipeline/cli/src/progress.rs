@@ -1,5 +1,6 @@
 //! Progress bars with time left, on a terminal only; time limit and signals.
 
+use crate::args::Bounds;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rrf_bake::{Halt, Judgement, Stage, Watch};
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -15,19 +16,20 @@ pub struct Bars {
     quiet: bool,
     current: Mutex<ProgressBar>,
     deadline: Option<Instant>,
+    memory: Option<u64>,
     interrupted: Arc<AtomicBool>,
 }
 
 impl Bars {
     /// No bar yet. From now on the first SIGINT or SIGTERM stops the bake after the tasks at
     /// hand, the second at once.
-    pub fn new(quiet: bool, time_limit: Option<f32>) -> io::Result<Bars> {
+    pub fn new(quiet: bool, bounds: &Bounds) -> io::Result<Bars> {
         let interrupted = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
             flag::register_conditional_default(signal, interrupted.clone())?;
             flag::register(signal, interrupted.clone())?;
         }
-        let limit = time_limit.map(Duration::try_from_secs_f32);
+        let limit = bounds.time_limit.map(Duration::try_from_secs_f32);
         Ok(Bars {
             quiet,
             current: Mutex::new(ProgressBar::hidden()),
@@ -35,6 +37,7 @@ impl Bars {
             deadline: limit
                 .and_then(Result::ok)
                 .and_then(|d| Instant::now().checked_add(d)),
+            memory: bounds.memory,
             interrupted,
         })
     }
@@ -72,6 +75,10 @@ impl Watch for Bars {
                 100.0 * judgement.relative_error_se
             );
         }
+    }
+
+    fn memory(&self) -> Option<u64> {
+        self.memory
     }
 
     fn halted(&self) -> Option<Halt> {
