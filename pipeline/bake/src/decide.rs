@@ -1,15 +1,18 @@
 //! After a round: stop, or what the next one does.
 //!
-//! Cells that miss the target are split where their rows scatter most, the ones that add most
-//! to the error of the whole first; cells that meet it are left alone.
+//! Every cell that misses the target has a remedy ([`crate::remedy`]): a split, more rows, or a
+//! larger net, whichever promises most error removed a second. The next round takes the best of
+//! them until the whole should meet the target or they make up most of what could be gained;
+//! the other cells are left alone.
 
 use crate::config::BakeConfig;
 use crate::error::BakeError;
-use crate::judge::Judgement;
-use crate::plan::{CellPlan, PartPlan, RoundPlan};
+use crate::judge::{CellJudgement, Judgement};
+use crate::plan::{CellPlan, DrawPlan, PartPlan, RoundPlan};
+use crate::remedy::{Action, Remedy, best_remedy};
 use crate::run::Run;
-use crate::work::read_cell;
-use rrf_extract::cut;
+use rayon::prelude::*;
+use rrf_train::quadratic::Cut;
 use serde::{Deserialize, Serialize};
 
 /// Why no further round is made.
@@ -20,8 +23,10 @@ pub enum Stop {
     Target,
     /// As many rounds as allowed.
     Rounds,
-    /// No cell can be split any further.
+    /// Nothing is left to do about any cell.
     NothingToSplit,
+    /// The error cannot be told from zero by the rows held out.
+    Noise,
     /// The time limit.
     Time,
 }
@@ -32,7 +37,8 @@ impl Stop {
         match self {
             Stop::Target => "the target is reached",
             Stop::Rounds => "all rounds of the preset are done",
-            Stop::NothingToSplit => "no cell has rows enough to be split",
+            Stop::NothingToSplit => "nothing is left that would help a cell",
+            Stop::Noise => "the noise of the samples hides the error that is left",
             Stop::Time => "the time limit is reached",
         }
     }
@@ -47,69 +53,163 @@ pub enum Next {
     Stop(Stop),
 }
 
-/// Decides from the round's plan and judgement alone, so that a resumed run decides the same.
+/// A round takes remedies until they make up this share of what all of them should remove:
+/// the rest is spread thinly over many cells, and better judged after the round.
+const SHARE: f64 = 0.75;
+/// Or until the whole should come to this share of the target: predictions are rough.
+const AIM: f64 = 0.9;
+/// Standard errors within which an error counts as zero.
+const HIDDEN: f64 = 2.0;
+
+/// Decides from the round's plan, samples and judgement alone, so that a resumed run decides
+/// the same.
 pub fn decide(run: &Run, plan: &RoundPlan, judgement: &Judgement) -> Result<Next, BakeError> {
-    let config = &run.config;
-    if judgement.relative_error <= f64::from(config.target) {
-        return Ok(Next::Stop(Stop::Target));
+    if let Some(stop) = stop(&run.config, plan, judgement) {
+        return Ok(Next::Stop(stop));
     }
-    if plan.round + 1 >= config.rounds {
-        return Ok(Next::Stop(Stop::Rounds));
+    let remedies = chosen(run, judgement, remedies(run, plan, judgement)?);
+    if remedies.is_empty() {
+        return Ok(Next::Stop(Stop::NothingToSplit));
     }
     let mut next = RoundPlan {
         round: plan.round + 1,
         ..plan.clone()
     };
-    for cell in worst(config, judgement) {
-        split(run, plan, &mut next, cell)?;
-    }
-    Ok(match next.cells.len() > plan.cells.len() {
-        true => Next::Round(Box::new(next)),
-        false => Next::Stop(Stop::NothingToSplit),
-    })
+    remedies.iter().for_each(|remedy| apply(&mut next, remedy));
+    Ok(Next::Round(Box::new(next)))
 }
 
-/// Cells to split: those that miss the target, by what they add to the whole, at most as many
-/// as there are cells already and the limit leaves.
-fn worst(config: &BakeConfig, judgement: &Judgement) -> Vec<u32> {
-    let target = f64::from(config.target).powi(2);
-    let mut cells: Vec<_> = judgement
+fn stop(config: &BakeConfig, plan: &RoundPlan, judgement: &Judgement) -> Option<Stop> {
+    let (error, se) = (judgement.relative_error, judgement.relative_error_se);
+    // met with a standard error to spare: weights were chosen on the rows that tell the error
+    if error + se <= f64::from(config.target) {
+        Some(Stop::Target)
+    } else if error <= HIDDEN * se {
+        Some(Stop::Noise)
+    } else if plan.round + 1 >= config.rounds {
+        Some(Stop::Rounds)
+    } else {
+        None
+    }
+}
+
+/// The best remedy of every cell that misses the target.
+fn remedies(run: &Run, plan: &RoundPlan, judgement: &Judgement) -> Result<Vec<Remedy>, BakeError> {
+    let target = f64::from(run.config.target).powi(2);
+    let may_split = plan.cells.len() < run.config.most_cells as usize;
+    let misses: Vec<&CellJudgement> = judgement
         .cells
         .iter()
         .filter(|c| c.square_error > target)
         .collect();
-    let adds = |c: &&crate::judge::CellJudgement| c.measure * c.square_error;
-    cells.sort_by(|a, b| adds(b).total_cmp(&adds(a)).then(a.cell.cmp(&b.cell)));
-    let room = (config.most_cells as usize).saturating_sub(judgement.cells.len());
-    cells.iter().take(room).map(|c| c.cell).collect()
+    let found = misses
+        .into_par_iter()
+        .map(|judged| match plan.cells.get(judged.cell as usize) {
+            Some(cell) => best_remedy(run, plan, cell, judged, may_split),
+            None => Ok(None),
+        })
+        .collect::<Result<Vec<Option<Remedy>>, BakeError>>()?;
+    Ok(found.into_iter().flatten().collect())
 }
 
-/// Splits a cell where that leaves both sides rows enough; both are fitted anew.
-fn split(run: &Run, plan: &RoundPlan, next: &mut RoundPlan, cell: u32) -> Result<(), BakeError> {
-    let Some(old) = plan.cells.get(cell as usize) else {
-        return Ok(());
+/// Those that the round takes, by cell.
+fn chosen(run: &Run, judgement: &Judgement, mut remedies: Vec<Remedy>) -> Vec<Remedy> {
+    let rate = |r: &Remedy| r.gain / r.seconds.max(f64::MIN_POSITIVE);
+    remedies.sort_by(|a, b| rate(b).total_cmp(&rate(a)).then(a.cell.cmp(&b.cell)));
+    let possible: f64 = remedies.iter().map(|r| r.gain).sum();
+    let excess = judgement.relative_error.powi(2) - (AIM * f64::from(run.config.target)).powi(2);
+    let wanted = (SHARE * possible).min(excess);
+    let mut room = (run.config.most_cells as usize).saturating_sub(judgement.cells.len());
+    let mut gained = 0.0;
+    let mut taken = Vec::new();
+    for remedy in remedies {
+        if gained >= wanted {
+            break;
+        }
+        if matches!(remedy.action, Action::Split { .. }) {
+            if room == 0 {
+                continue;
+            }
+            room -= 1;
+        }
+        gained += remedy.gain;
+        taken.push(remedy);
+    }
+    taken.sort_by_key(|r| r.cell);
+    taken
+}
+
+/// Writes a remedy into the next round's plan.
+fn apply(next: &mut RoundPlan, remedy: &Remedy) {
+    let Some(old) = next.cells.get(remedy.cell as usize).cloned() else {
+        return;
     };
-    let table = read_cell(run, old)?;
-    let fewest = run.config.extract.fewest_rows as usize;
-    let config = &run.config.extract;
-    let Some((axis, at)) = cut(&table.columns, plan.diagonal, config.weights, fewest) else {
-        return Ok(());
-    };
-    let column = &table.columns.columns[axis];
-    let left = column.iter().filter(|&&x| x < at).count() as f64 / column.len() as f64;
+    match &remedy.action {
+        Action::Split { cut, left } => split(next, &old, remedy, cut, *left),
+        Action::More => {
+            let leaf = next.tree.leaves()[old.cell as usize];
+            let mut cell = CellPlan {
+                fitted: next.round,
+                ..old
+            };
+            draw(next, &mut cell, leaf, remedy.rows, remedy.paths);
+            replace(next, cell);
+        }
+        Action::Grow(size) => {
+            let cell = CellPlan {
+                size: size.clone(),
+                fitted: next.round,
+                ..old
+            };
+            replace(next, cell);
+        }
+    }
+}
+
+fn replace(next: &mut RoundPlan, cell: CellPlan) {
+    let id = cell.cell as usize;
+    next.cells[id] = cell;
+}
+
+/// Two cells in place of one; each gets the other's share of rows anew.
+fn split(next: &mut RoundPlan, old: &CellPlan, remedy: &Remedy, cut: &Cut, left: f64) {
     let new = next.cells.len() as u32;
-    let leaf = next.tree.leaves()[cell as usize];
-    next.tree.split(leaf, axis, at, new);
-    let [low, high] = [(cell, left), (new, 1.0 - left)].map(|(id, share)| CellPlan {
-        cell: id,
-        measure: old.measure * share,
-        parts: taken(old, id),
-        size: old.size.clone(),
-        fitted: next.round,
+    let leaf = next.tree.leaves()[old.cell as usize];
+    let nodes = next.tree.split(leaf, cut.axis, cut.threshold, new);
+    let shares = [left, 1.0 - left];
+    for ((id, share), node) in [old.cell, new].into_iter().zip(shares).zip(nodes) {
+        let mut cell = CellPlan {
+            cell: id,
+            measure: old.measure * share,
+            parts: taken(old, id),
+            size: old.size.clone(),
+            fitted: next.round,
+        };
+        let rows = (f64::from(remedy.rows) * (1.0 - share)).round() as u32;
+        draw(next, &mut cell, node, rows, remedy.paths);
+        if id == new {
+            next.cells.push(cell);
+        } else {
+            replace(next, cell);
+        }
+    }
+}
+
+/// A new draw for a cell, in its leaf.
+fn draw(next: &mut RoundPlan, cell: &mut CellPlan, leaf: usize, rows: u32, paths: u32) {
+    if rows == 0 {
+        return;
+    }
+    cell.parts.push(PartPlan {
+        part: cell.parts.iter().map(|p| p.part + 1).max().unwrap_or(0),
+        draw: next.draws.len() as u32,
+        from: None,
     });
-    next.cells[cell as usize] = low;
-    next.cells.push(high);
-    Ok(())
+    next.draws.push(DrawPlan {
+        node: leaf as u32,
+        rows,
+        paths,
+    });
 }
 
 /// A child's parts: one for each of its parent's. The child that keeps the parent's id gets new
