@@ -8,10 +8,13 @@ LIGHT = 0.1,1.6,0.2,4,4,4
 RRF = $(or $(CARGO_TARGET_DIR),target)/release/rrf
 VENV = .venv
 
-.PHONY: demo test setup build python clean
+.PHONY: demo test setup test-setup build python clean
 
 setup:
 	@sh tests/setup.sh
+
+test-setup:
+	@sh tests/setup.sh test
 
 build: setup
 	cargo build --release --locked
@@ -27,7 +30,7 @@ demo: build
 	@echo "the same as EXR with the layers direct, indirect and cell beside them."
 
 # cargo test builds the program and the examples that the Python checks call
-test: setup python
+test: test-setup python
 	cargo fmt --all --check
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
 	cargo test --release --locked --workspace
@@ -40,6 +43,12 @@ $(VENV)/installed: tests/python/requirements.txt
 	python3 -m venv $(VENV)
 	$(VENV)/bin/python -m pip install --quiet --requirement tests/python/requirements.txt
 	@touch $@
+
+# the README's picture of `rrf view`, by its own test
+docs/view.png: build python $(VENV)/installed
+	test -d $(OUT)/run || $(MAKE) demo
+	RRF=$(abspath $(RRF)) RRF_RUN=$(OUT)/run RRF_SCREENSHOT=$@ \
+		$(VENV)/bin/python -m pytest -q tests/python/test_view.py -k screenshot
 
 clean:
 	rm -rf out $(VENV)

@@ -1,16 +1,34 @@
 //! The run folder: what it belongs to, and where its files lie.
 
 use crate::config::BakeConfig;
+use crate::decide::Stop;
 use crate::error::BakeError;
-use rrf_extract::{ExtractError, Plan};
+use crate::judge::Judgement;
+use crate::plan::RoundPlan;
+use crate::task::task_rows;
+use rrf_extract::ExtractError;
 use rrf_scene::Scene;
 use rrf_store::StoreError;
-use rrf_store::atomic::atomic_write;
+use rrf_store::atomic::{atomic_write, create_folder};
+use rrf_store::layout::{model_folder, round_folder, task_table_path};
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
+use rrf_store::task_table::write_tasks;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+
+/// How a round was judged and whether it was the last.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// The round.
+    pub round: u32,
+    /// Its errors.
+    pub judgement: Judgement,
+    /// Why no further round is made; none where one is.
+    pub stop: Option<Stop>,
+}
 
 /// An open run folder.
 #[derive(Clone, Debug)]
@@ -85,47 +103,44 @@ impl Run {
         Ok(scene)
     }
 
-    /// `plan.json`, or none where the plan has not been made.
-    pub fn read_plan(&self) -> Result<Option<Plan>, BakeError> {
-        let path = self.plan_path();
-        let text = match std::fs::read(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(source) => {
-                return Err(StoreError::Io {
-                    path,
-                    action: "read",
-                    source,
-                }
-                .into());
-            }
-        };
-        let plan: Plan =
-            serde_json::from_slice(&text).map_err(|error| corrupt(&path, error.to_string()))?;
-        plan.check().map_err(|reason| corrupt(&path, reason))?;
-        Ok(Some(plan))
+    /// The plan of a round, or none where it has not been made.
+    pub fn read_plan(&self, round: u32) -> Result<Option<RoundPlan>, BakeError> {
+        let path = self.round_file(round, "plan.json");
+        let plan: Option<RoundPlan> = read_json(&path)?;
+        if let Some(plan) = &plan {
+            plan.check().map_err(|reason| corrupt(&path, reason))?;
+        }
+        Ok(plan)
     }
 
-    /// The plan of a run that has been extracted.
-    pub fn plan(&self) -> Result<Plan, BakeError> {
-        let missing = || BakeError::NotExtracted {
-            path: self.folder.clone(),
-            cell: 0,
-        };
-        self.read_plan()?.ok_or_else(missing)
+    /// Writes a round's tasks, then its plan: a round that has a plan is whole.
+    pub fn write_plan(&self, plan: &RoundPlan) -> Result<(), BakeError> {
+        let path = task_table_path(&self.folder, plan.round);
+        create_folder(&round_folder(&self.folder, plan.round))?;
+        write_tasks(&path, &task_rows(self, plan)?, &self.facts())?;
+        write_json(&self.round_file(plan.round, "plan.json"), plan)
     }
 
-    /// Writes `plan.json`.
-    pub fn write_plan(&self, plan: &Plan) -> Result<(), BakeError> {
-        let path = self.plan_path();
-        let mut text =
-            serde_json::to_vec(plan).map_err(|error| corrupt(&path, error.to_string()))?;
-        text.push(b'\n');
-        Ok(atomic_write(&path, &text)?)
+    /// How a round was judged, or none where it has not been committed.
+    pub fn read_judged(&self, round: u32) -> Result<Option<Judged>, BakeError> {
+        read_json(&self.round_file(round, "judged.json"))
     }
 
-    fn plan_path(&self) -> PathBuf {
-        self.folder.join("plan.json")
+    /// Marks a round as committed.
+    pub fn write_judged(&self, judged: &Judged) -> Result<(), BakeError> {
+        write_json(&self.round_file(judged.round, "judged.json"), judged)
+    }
+
+    /// Whether all tables of a model are there.
+    pub fn has_model(&self) -> bool {
+        let folder = model_folder(&self.folder);
+        ["tree", "weights", "metrics"]
+            .iter()
+            .all(|table| folder.join(format!("{table}.arrow")).exists())
+    }
+
+    fn round_file(&self, round: u32, name: &str) -> PathBuf {
+        round_folder(&self.folder, round).join(name)
     }
 
     /// What every table of the run has to agree with.
@@ -155,6 +170,32 @@ impl Run {
         }
         Ok(())
     }
+}
+
+fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Option<T>, BakeError> {
+    let text = match std::fs::read(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(source) => {
+            return Err(StoreError::Io {
+                path: path.into(),
+                action: "read",
+                source,
+            }
+            .into());
+        }
+    };
+    let value = serde_json::from_slice(&text).map_err(|error| corrupt(path, error.to_string()))?;
+    Ok(Some(value))
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BakeError> {
+    let mut text = serde_json::to_vec(value).map_err(|error| corrupt(path, error.to_string()))?;
+    text.push(b'\n');
+    if let Some(folder) = path.parent() {
+        create_folder(folder)?;
+    }
+    Ok(atomic_write(path, &text)?)
 }
 
 /// The settings that differ, `extract.rows 2000, extract.paths 4`, on both sides.

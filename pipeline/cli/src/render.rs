@@ -1,49 +1,52 @@
 //! `rrf render`: a frame by the baked nets.
 
 use crate::args::{Part, RenderArgs};
-use crate::{pictures, view};
-use glam::Vec3;
-use rrf_bake::Run;
-use rrf_extract::Lookout;
-use rrf_field::Field;
-use rrf_render::{RenderOptions, notices};
-use rrf_store::model;
+use crate::baked::Baked;
+use crate::stats::{self, Clock};
+use crate::{animate, pictures, view};
+use rrf_render::{Frame, RenderOptions, Renderer};
 use rrf_trace::Tracer;
 
-/// Renders the view and writes it.
+/// Renders the view and writes it; with `--frames` again and again, to measure.
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
+    if let Some(path) = &args.path {
+        return animate::run(args, path);
+    }
     pictures::check_endings(&args.output)?;
-    let run = Run::open(&args.run)?;
-    let scene = run.load_scene()?;
-    let frame_view = view::view(&args.view, &scene)?;
-    let lights = view::lights(&args.view, &scene)?;
-    let scene = scene.unlit();
-    let tracer = Tracer::new(&scene)?;
-    let model = model::read_model(&run.folder, &run.facts())?;
-    let tree = model.tree;
-    let field = Field::new(tree.tree.clone(), model.cells)?;
-
-    let [x0, y0, z0, x1, y1, z1] = run.manifest.light_box;
-    let lookout = Lookout::new(&scene, &tracer);
-    let positions = lights.points.iter().map(|light| light.position);
-    let light_box = Some([Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1)]);
-    for notice in notices(frame_view.eye, positions, light_box, |p| {
-        lookout.inside_solid(p)
-    }) {
+    let baked = Baked::open(&args.run)?;
+    let frame_view = view::view(&args.view, &baked.scene)?;
+    let lights = view::lights(&args.view, &baked.scene)?;
+    let tracer = Tracer::new(&baked.unlit)?;
+    for notice in baked.notices(&tracer, &frame_view, &lights) {
         eprintln!("warning: {notice}");
     }
-
-    let trusted = |rows: &rrf_field::columns::Columns| tree.trusted(rows);
+    let trusted = |rows: &rrf_field::columns::Columns| baked.trusted(rows);
     let options = RenderOptions {
-        part: match args.view.part {
-            Part::Full => rrf_render::Part::Full,
-            Part::Direct => rrf_render::Part::Direct,
-            Part::Indirect => rrf_render::Part::Indirect,
-        },
+        part: part(args.view.part),
         aa: args.view.aa,
-        trusted: Some(&trusted),
+        // A second look at every row: not where time is measured.
+        trusted: args.json_stats.is_none().then_some(&trusted),
         ..RenderOptions::default()
     };
-    let frame = rrf_render::render(&tracer, &field, &frame_view, &lights, &options)?;
+    let renderer = Renderer::new(&tracer, &baked.field);
+    let mut frame = Frame::default();
+    let mut clock = Clock::default();
+    for _ in 0..args.frames {
+        clock.start();
+        let stages = renderer.render(&frame_view, &lights, &options, &mut frame)?;
+        clock.stop(stages);
+    }
+    if let Some(target) = &args.json_stats {
+        stats::write(target, &stats::report(&clock, &frame_view, &lights))?;
+    }
     pictures::write(frame, &args.view, &args.output)
+}
+
+/// The part asked for, as the renderer names it.
+pub fn part(part: Part) -> rrf_render::Part {
+    match part {
+        Part::Full => rrf_render::Part::Full,
+        Part::Direct => rrf_render::Part::Direct,
+        Part::Indirect => rrf_render::Part::Indirect,
+    }
 }

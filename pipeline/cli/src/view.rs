@@ -47,13 +47,11 @@ fn look_at(args: &ViewArgs, eye: Vec3, target: Vec3, fov: Option<f32>) -> Result
         )));
     }
     let fov = args.fov.or(fov).unwrap_or(40.0);
-    Ok(View::look_at(
-        eye,
-        target,
-        up,
-        fov,
-        args.size.unwrap_or([512, 512]),
-    ))
+    let mut view = View::look_at(eye, target, up, fov, args.size.unwrap_or([512, 512]));
+    if args.mirror {
+        view.right = -view.right;
+    }
+    Ok(view)
 }
 
 /// The lights typed, or the scene's own.
