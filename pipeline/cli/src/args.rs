@@ -268,6 +268,9 @@ pub struct ViewArgs {
     /// A point light: position and radiant intensity [W/sr] (again for more).
     #[arg(long, value_name = "x,y,z[,r,g,b]", value_parser = parse_light, allow_hyphen_values = true)]
     pub light: Vec<[f32; 6]>,
+    /// The scene's own lights shine beside those of --light.
+    #[arg(long)]
+    pub scene_lights: bool,
     /// Which part of the light the picture shows.
     #[arg(long, value_enum, default_value_t = Part::Full)]
     pub part: Part,
@@ -310,12 +313,32 @@ pub struct RenderArgs {
     /// View and lights.
     #[command(flatten)]
     pub view: ViewArgs,
-    /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output).
+    /// Shadow rays of each camera ray, shared by all lights. By default point lights get one
+    /// each, and area lights 16 together.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub shadow_rays: Option<u32>,
+    /// How shadow rays choose among lights.
+    #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
+    pub light_sampling: LightSampling,
+    /// Seed of the shadow rays.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output). Frames are
+    /// then made without the layer of trust.
     #[arg(long, value_name = "FILE")]
     pub json_stats: Option<PathBuf>,
     /// Render the frame N times, for --json-stats in steady state.
     #[arg(long, value_name = "N", default_value_t = 1, requires = "json_stats", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
+}
+
+/// How shadow rays choose among lights; both are unbiased.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LightSampling {
+    /// By what earlier rays of the pixel and its neighbours found (Donikian et al. 2006).
+    Adaptive,
+    /// All alike.
+    Uniform,
 }
 
 /// A format of frames.

@@ -1,10 +1,10 @@
 //! `rrf render`: a frame by the baked nets.
 
-use crate::args::{Part, RenderArgs};
+use crate::args::{LightSampling, Part, RenderArgs};
 use crate::baked::Baked;
 use crate::stats::{self, Clock};
 use crate::{animate, pictures, view};
-use rrf_render::{Frame, RenderOptions, Renderer};
+use rrf_render::{Frame, RenderOptions, Renderer, ShadowRays};
 use rrf_trace::Tracer;
 
 /// Renders the view and writes it; with `--frames` again and again, to measure.
@@ -16,7 +16,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let baked = Baked::open(&args.run)?;
     let frame_view = view::view(&args.view, &baked.scene)?;
     let lights = view::lights(&args.view, &baked.scene)?;
-    let tracer = Tracer::new(&baked.unlit)?;
+    let tracer = Tracer::new(baked.shown(&lights))?;
+    let lamps = baked.lamps(&lights)?;
     for notice in baked.notices(&tracer, &frame_view, &lights) {
         eprintln!("warning: {notice}");
     }
@@ -24,6 +25,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let options = RenderOptions {
         part: part(args.view.part),
         aa: args.view.aa,
+        lamps: lamps.as_ref(),
+        shadow_rays: shadow_rays(args),
         // A second look at every row: not where time is measured.
         trusted: args.json_stats.is_none().then_some(&trusted),
         ..RenderOptions::default()
@@ -40,6 +43,20 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         stats::write(target, &stats::report(&clock, &frame_view, &lights))?;
     }
     pictures::write(frame, &args.view, &args.output)
+}
+
+/// Sampled lights, where a number of shadow rays is given or only one way is left.
+pub fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
+    let adaptive = args.light_sampling == LightSampling::Adaptive;
+    let standard = ShadowRays::default();
+    match args.shadow_rays {
+        None if adaptive => None,
+        count => Some(ShadowRays {
+            count: count.unwrap_or(standard.count),
+            adaptive,
+            seed: args.seed,
+        }),
+    }
 }
 
 /// The part asked for, as the renderer names it.
