@@ -7,6 +7,7 @@ mod args;
 mod bake;
 mod compare;
 mod doctor;
+mod export;
 mod failure;
 mod pictures;
 mod points;
@@ -45,6 +46,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Extract(args) => bake::extract(args, cli.quiet),
         Command::Train(args) => bake::train(args, cli.quiet),
         Command::Render(args) => render::run(args),
+        Command::Export(args) => export::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Trace(args) => trace::run(args, cli.quiet),
         Command::Query(args) => query::run(args),
