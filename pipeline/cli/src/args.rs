@@ -41,6 +41,8 @@ pub enum Command {
     Trace(TraceArgs),
     /// The model's indirect radiance at points of a table.
     Query(QueryArgs),
+    /// The scene for Mitsuba 3, or the baked nets as tensors.
+    Export(ExportArgs),
     /// Compare two EXR frames: relMSE, relative error, ΔE*ab, ΔE2000, FLIP.
     Compare(CompareArgs),
     /// Print what was understood of a scene file.
@@ -415,6 +417,44 @@ pub struct QueryArgs {
     /// Table to write.
     #[arg(short, long, value_name = "OUT.parquet")]
     pub output: PathBuf,
+}
+
+/// `rrf export`.
+#[derive(Args, Clone, Debug)]
+#[command(group = clap::ArgGroup::new("format").required(true).multiple(true))]
+pub struct ExportArgs {
+    /// A run folder, or for --mitsuba a scene file.
+    pub input: PathBuf,
+    /// Folder for scene.xml, meshes and textures that Mitsuba 3 loads.
+    #[arg(long, value_name = "DIR", group = "format")]
+    pub mitsuba: Option<PathBuf>,
+    /// File for the nets and their kd-tree.
+    #[arg(long, value_name = "F", group = "format")]
+    pub safetensors: Option<PathBuf>,
+    /// File for the same as one ONNX graph.
+    #[arg(long, value_name = "F", group = "format")]
+    pub onnx: Option<PathBuf>,
+    /// Eye position; by default the scene's first camera.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    pub eye: Option<[f32; 3]>,
+    /// Where the camera looks.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true, requires = "eye")]
+    pub look_at: Option<[f32; 3]>,
+    /// Up direction.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    pub up: Option<[f32; 3]>,
+    /// Full angle of the shorter image side [degrees].
+    #[arg(long, value_name = "DEG", value_parser = positive)]
+    pub fov: Option<f32>,
+    /// Picture size in pixels.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// A point light instead of the scene's own: position and radiant intensity [W/sr] (again for more).
+    #[arg(long, value_name = "x,y,z[,r,g,b]", value_parser = parse_light, allow_hyphen_values = true)]
+    pub light: Vec<[f32; 6]>,
+    /// Reading the scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
 }
 
 /// `rrf compare`.

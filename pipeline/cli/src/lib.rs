@@ -10,6 +10,7 @@ mod baked;
 mod batch;
 mod compare;
 mod doctor;
+mod export;
 mod failure;
 mod page;
 mod pictures;
@@ -55,6 +56,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Task(args) => tasks::task(args),
         Command::Commit(args) => tasks::commit(args),
         Command::Render(args) => render::run(args),
+        Command::Export(args) => export::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Trace(args) => trace::run(args, cli.quiet),
         Command::Query(args) => query::run(args),
