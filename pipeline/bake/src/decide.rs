@@ -8,7 +8,7 @@
 use crate::config::BakeConfig;
 use crate::error::BakeError;
 use crate::judge::{CellJudgement, Judgement};
-use crate::plan::{CellPlan, DrawPlan, PartPlan, RoundPlan};
+use crate::plan::{CellPlan, PartPlan, RoundPlan, draw_parts};
 use crate::remedy::{Action, Remedy, best_remedy};
 use crate::run::Run;
 use rayon::prelude::*;
@@ -195,21 +195,13 @@ fn split(next: &mut RoundPlan, old: &CellPlan, remedy: &Remedy, cut: &Cut, left:
     }
 }
 
-/// A new draw for a cell, in its leaf.
+/// New draws for a cell, in its leaf.
 fn draw(next: &mut RoundPlan, cell: &mut CellPlan, leaf: usize, rows: u32, paths: u32) {
-    if rows == 0 {
-        return;
+    let first = cell.parts.iter().map(|p| p.part + 1).max().unwrap_or(0);
+    if rows > 0 {
+        let drawn = draw_parts(&mut next.draws, leaf as u32, rows, paths, first);
+        cell.parts.extend(drawn);
     }
-    cell.parts.push(PartPlan {
-        part: cell.parts.iter().map(|p| p.part + 1).max().unwrap_or(0),
-        draw: next.draws.len() as u32,
-        from: None,
-    });
-    next.draws.push(DrawPlan {
-        node: leaf as u32,
-        rows,
-        paths,
-    });
 }
 
 /// A child's parts: one for each of its parent's. The child that keeps the parent's id gets new
@@ -228,4 +220,103 @@ fn taken(parent: &CellPlan, child: u32) -> Vec<PartPlan> {
             from: Some([parent.cell, old.part]),
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::DrawPlan;
+    use crate::task::expected_rows;
+    use rrf_extract::Census;
+    use rrf_field::columns;
+    use rrf_field::tree::Tree;
+    use rrf_train::Size;
+
+    fn one_cell() -> RoundPlan {
+        RoundPlan {
+            round: 0,
+            tree: Tree::single(),
+            cells: vec![CellPlan {
+                cell: 0,
+                measure: 1.0,
+                parts: vec![PartPlan {
+                    part: 0,
+                    draw: 0,
+                    from: None,
+                }],
+                size: Size::Hidden(vec![20, 10]),
+                fitted: 0,
+            }],
+            draws: vec![DrawPlan {
+                node: 0,
+                rows: 6000,
+                paths: 256,
+            }],
+            lambert: vec![true],
+            mean_luminance: 1.0,
+            diagonal: 1.0,
+            census: Census::default(),
+        }
+    }
+
+    fn remedy(action: Action, rows: u32) -> Remedy {
+        Remedy {
+            cell: 0,
+            action,
+            gain: 1.0,
+            seconds: 1.0,
+            rows,
+            paths: 128,
+        }
+    }
+
+    fn cut() -> Cut {
+        Cut {
+            axis: columns::L,
+            threshold: 0.5,
+            before: 1.0,
+            after: 0.5,
+        }
+    }
+
+    /// Children take their parent's rows and are filled up to as many each; a second split does
+    /// the same to a child, and the plan stays sound.
+    #[test]
+    fn children_keep_rows_and_get_the_rest() {
+        let mut plan = one_cell();
+        plan.round = 1;
+        apply(
+            &mut plan,
+            &remedy(
+                Action::Split {
+                    cut: cut(),
+                    left: 0.3,
+                },
+                6000,
+            ),
+        );
+        plan.check().unwrap();
+        assert_eq!(expected_rows(&plan), [6000, 6000]);
+        let measures: Vec<f64> = plan.cells.iter().map(|c| c.measure).collect();
+        assert_eq!(measures, [0.3, 0.7]);
+        assert_eq!(plan.cells[1].parts[0].from, Some([0, 0]));
+        plan.round = 2;
+        apply(&mut plan, &remedy(Action::More, 6000));
+        plan.check().unwrap();
+        assert_eq!(expected_rows(&plan), [12_000, 6000]);
+        assert_eq!((plan.cells[0].fitted, plan.cells[1].fitted), (2, 1));
+        let parts: Vec<u32> = plan.cells[0].parts.iter().map(|p| p.part).collect();
+        assert_eq!(parts, [1, 2, 3], "numbers of parts are never used twice");
+    }
+
+    #[test]
+    fn a_larger_net_draws_nothing() {
+        let mut plan = one_cell();
+        plan.round = 1;
+        let size = Size::Hidden(vec![32, 16]);
+        apply(&mut plan, &remedy(Action::Grow(size.clone()), 0));
+        plan.check().unwrap();
+        assert_eq!((plan.draws.len(), &plan.cells[0].size), (1, &size));
+        assert_eq!(plan.cells[0].fitted, 1);
+    }
 }
