@@ -143,11 +143,10 @@ fn features(rows: &Columns, usable: &[usize], axes: &[usize]) -> Array2<f64> {
     let k = axes.len();
     let mut f = Array2::ones((usable.len(), 1 + k + k * (k + 1) / 2));
     for row in 0..usable.len() {
-        let mut term = 1;
-        for i in 0..k {
-            f[[row, term]] = scaled[i][row];
-            term += 1;
+        for (i, column) in scaled.iter().enumerate() {
+            f[[row, 1 + i]] = column[row];
         }
+        let mut term = 1 + k;
         for i in 0..k {
             for j in i..k {
                 f[[row, term]] = scaled[i][row] * scaled[j][row];
