@@ -117,6 +117,9 @@ pub struct BakeSettings {
     /// How much work.
     #[arg(long, value_enum, default_value_t = Preset::Standard)]
     pub preset: Preset,
+    /// What each cell is fitted by: nets, or a baseline to compare them with.
+    #[arg(long, value_enum, default_value_t = Method::Nets)]
+    pub method: Method,
     /// Go on with a run that was cut off; what is done stays.
     #[arg(long)]
     pub resume: bool,
@@ -138,6 +141,19 @@ pub struct BakeSettings {
     /// Reading the scene.
     #[command(flatten)]
     pub scene_options: SceneOptions,
+}
+
+/// What each cell is fitted by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Nets with exponential outputs.
+    Nets,
+    /// Nets whose outputs are radiance itself, as Ren et al. 2013 have them.
+    LinearOutputs,
+    /// Linear regression on the same inputs.
+    LinearRegression,
+    /// One net for the whole scene.
+    GlobalNet,
 }
 
 /// How much work a bake does.
@@ -295,6 +311,15 @@ pub enum Part {
     Indirect,
 }
 
+/// What becomes of pixels that the nets were not trained for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Fallback {
+    /// The nets are believed.
+    None,
+    /// They are path-traced.
+    Trace,
+}
+
 /// `rrf render`.
 #[derive(Args, Clone, Debug)]
 pub struct RenderArgs {
@@ -325,6 +350,15 @@ pub struct RenderArgs {
     /// Seed of the shadow rays.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// What becomes of pixels that the nets were not trained for.
+    #[arg(long, value_enum, default_value_t = Fallback::None, conflicts_with_all = ["json_stats", "path"])]
+    pub fallback: Fallback,
+    /// Paths a pixel and light of --fallback trace.
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..))]
+    pub fallback_spp: u32,
+    /// Paint pixels that the nets were not trained for red, by the share of their samples.
+    #[arg(long, conflicts_with_all = ["json_stats", "path"])]
+    pub show_trust: bool,
     /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output). Frames are
     /// then made without the layer of trust.
     #[arg(long, value_name = "FILE")]

@@ -1,6 +1,6 @@
 //! `rrf run batch.toml`: many bakes from one file, safe under cron.
 
-use crate::args::{BakeSettings, LightUnits, Preset, RunArgs, SceneOptions};
+use crate::args::{BakeSettings, LightUnits, Method, Preset, RunArgs, SceneOptions};
 use crate::bake::config;
 use crate::failure::{BadInput, exit_code, message};
 use crate::progress::Bars;
@@ -223,6 +223,7 @@ fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettin
         cells: own.cells.or(defaults.cells),
         rounds: own.rounds.or(defaults.rounds),
         most_cells: own.most_cells.or(defaults.most_cells),
+        method: Method::Nets,
         scene_options: SceneOptions {
             default_albedo,
             light_units,

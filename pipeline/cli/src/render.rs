@@ -1,10 +1,11 @@
 //! `rrf render`: a frame by the baked nets.
 
-use crate::args::{LightSampling, Part, RenderArgs};
+use crate::args::{Fallback, LightSampling, Part, RenderArgs};
 use crate::baked::Baked;
 use crate::stats::{self, Clock};
 use crate::{animate, pictures, view};
-use rrf_render::{Frame, RenderOptions, Renderer, ShadowRays};
+use glam::Vec3;
+use rrf_render::{Frame, RenderOptions, Renderer, ShadowRays, luminance, trace_untrusted};
 use rrf_trace::Tracer;
 
 /// Renders the view and writes it; with `--frames` again and again, to measure.
@@ -42,6 +43,14 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if let Some(target) = &args.json_stats {
         stats::write(target, &stats::report(&clock, &frame_view, &lights))?;
     }
+    if args.fallback == Fallback::Trace {
+        let (spp, aa, seed) = (args.fallback_spp, args.view.aa, baked.run.manifest.seed);
+        let traced = trace_untrusted(&tracer, &frame_view, &lights, &mut frame, spp, aa, seed)?;
+        println!("{traced} pixels path-traced: the nets were not trained for them");
+    }
+    if args.show_trust {
+        show_trust(&mut frame);
+    }
     pictures::write(frame, &args.view, &args.output)
 }
 
@@ -56,6 +65,24 @@ pub fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
             adaptive,
             seed: args.seed,
         }),
+    }
+}
+
+/// Mixes red, as bright as the frame is on average, into pixels that are not trusted.
+fn show_trust(frame: &mut Frame) {
+    let count = frame.full.len().max(1) as f32;
+    let red = Vec3::X * (3.0 * frame.full.iter().map(|&p| luminance(p)).sum::<f32>() / count);
+    let cells = frame.cell.iter().flatten();
+    for ((pixel, &trust), &cell) in frame
+        .full
+        .iter_mut()
+        .zip(frame.trust.iter().flatten())
+        .zip(cells)
+    {
+        // a pixel that shows no surface has no cell, and nothing to trust or not
+        if cell != u32::MAX {
+            *pixel = pixel.lerp(red, 1.0 - trust.clamp(0.0, 1.0));
+        }
     }
 }
 

@@ -16,6 +16,7 @@ mod emitter;
 mod error;
 pub mod exr;
 mod facts;
+mod fallback;
 pub mod flip;
 mod frame;
 mod notice;
@@ -32,6 +33,7 @@ mod view;
 
 pub use compare::compare;
 pub use error::RenderError;
+pub use fallback::trace_untrusted;
 pub use frame::{Frame, Picture, luminance};
 pub use notice::{Notice, notices};
 pub use render::{Negative, Part, RenderOptions, Renderer, Trusted, render};

@@ -148,3 +148,40 @@ fn curvature_equals_second_differences() {
     }
     close(&found, &expected, 1e-5);
 }
+
+/// A product of powers over two decades: exponential outputs follow it several times better than
+/// the same net with linear ones, and a channel without light stays dark.
+#[test]
+fn exponents_follow_a_product() {
+    let mut rows = rrf_field::columns::Columns::default();
+    let mut y = Vec::new();
+    for r in 0..2000u64 {
+        let mut row = [0.5; rrf_field::columns::COUNT];
+        for (d, x) in row.iter_mut().take(3).enumerate() {
+            *x = made_up::uniform(12, r, d as u32) as f32;
+        }
+        let value = (1.5 * row[0] - row[1]).exp() / (0.3 + row[2] * row[2]);
+        rows.push(row);
+        y.push([value, 2.0 * value, 0.0]);
+    }
+    let held_out: Vec<bool> = (0..2000).map(|r| r % 3 == 0).collect();
+    let error = |exponential: bool| {
+        let config = crate::TrainConfig {
+            size: crate::Size::Hidden(vec![6, 4]),
+            exponential,
+            ..crate::TrainConfig::default()
+        };
+        let fit = crate::fit_cell(0, &rows, [&y, &y], &held_out, &config).unwrap();
+        assert_eq!(fit.model.exponential, exponential);
+        if exponential {
+            assert_eq!(
+                (fit.model.output_scale[2], fit.model.output_offset),
+                (0.0, [0.0; 3])
+            );
+        }
+        fit.metrics.validation_error.square.sqrt()
+    };
+    let (linear, exponential) = (error(false), error(true));
+    assert!(exponential < 0.5 * linear, "{exponential} {linear}");
+    assert!(exponential < 0.01, "{exponential}");
+}
