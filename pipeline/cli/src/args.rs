@@ -27,12 +27,22 @@ pub enum Command {
     Extract(ExtractArgs),
     /// The last stages of a bake alone: train, judge.
     Train(TrainArgs),
+    /// Bake everything that a file lists; again: only what changed.
+    Run(RunArgs),
+    /// Tasks of a bake's next round as a table, for schedulers.
+    Plan(PlanArgs),
+    /// Do one task of a plan; done ones are skipped.
+    Task(TaskArgs),
+    /// Check that a round's tasks are done, make their fits the model, plan the next round.
+    Commit(CommitArgs),
     /// Render a frame by the baked nets (plus exact direct light).
     Render(RenderArgs),
     /// Render a frame, or points, by path tracing: the ground truth.
     Trace(TraceArgs),
     /// The model's indirect radiance at points of a table.
     Query(QueryArgs),
+    /// The scene for Mitsuba 3, or the baked nets as tensors.
+    Export(ExportArgs),
     /// Compare two EXR frames: relMSE, relative error, ΔE*ab, ΔE2000, FLIP.
     Compare(CompareArgs),
     /// Print what was understood of a scene file.
@@ -73,6 +83,28 @@ pub struct BakeArgs {
     /// The run folder to make.
     #[arg(short, long, value_name = "RUN")]
     pub output: PathBuf,
+    /// How long and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
+    /// Settings.
+    #[command(flatten)]
+    pub settings: BakeSettings,
+}
+
+/// What a bake may take; what it makes does not depend on it, but for how many rounds.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Bounds {
+    /// Begin no more work after this many seconds; the model of the last whole round stands.
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time_limit: Option<f32>,
+    /// Memory that the work in hand may need: fewer tasks side by side.
+    #[arg(long, value_name = "BYTES|2GiB", value_parser = parse_bytes)]
+    pub memory: Option<u64>,
+}
+
+/// What a bake is asked for.
+#[derive(Args, Clone, Debug)]
+pub struct BakeSettings {
     /// Where lights may stand; by default the middle 80 % of the scene's bounds.
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = parse_box, allow_hyphen_values = true)]
     pub light_box: Option<[f32; 6]>,
@@ -85,9 +117,6 @@ pub struct BakeArgs {
     /// How much work.
     #[arg(long, value_enum, default_value_t = Preset::Standard)]
     pub preset: Preset,
-    /// Stop starting new work after this many seconds.
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    pub time_limit: Option<f32>,
     /// Go on with a run that was cut off; what is done stays.
     #[arg(long)]
     pub resume: bool,
@@ -97,9 +126,15 @@ pub struct BakeArgs {
     /// Paths a row, instead of the preset's.
     #[arg(long, value_name = "N")]
     pub paths: Option<u32>,
-    /// Cells at the most, instead of the preset's.
+    /// Cells of the first round at the most, instead of the preset's.
     #[arg(long, value_name = "N")]
     pub cells: Option<u32>,
+    /// Rounds at the most, instead of the preset's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub rounds: Option<u32>,
+    /// Cells of all rounds at the most, instead of the preset's.
+    #[arg(long, value_name = "N")]
+    pub most_cells: Option<u32>,
     /// Reading the scene.
     #[command(flatten)]
     pub scene_options: SceneOptions,
@@ -132,6 +167,83 @@ pub struct ExtractArgs {
 pub struct TrainArgs {
     /// The run folder, extracted.
     pub run: PathBuf,
+    /// Which rows a step of the trainer sees.
+    #[arg(long, value_enum, default_value_t = TrainMode::Local)]
+    pub mode: TrainMode,
+    /// Rows a batch, with `--mode online` and `--mode recursive`.
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
+    pub batch: u32,
+    /// How long and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
+}
+
+/// Which rows a step of the trainer sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TrainMode {
+    /// All rows of the cell.
+    Local,
+    /// Batch after batch, each on its own: forgets; to compare with.
+    Online,
+    /// Batch after batch, keeping what the earlier ones taught.
+    Recursive,
+}
+
+/// `rrf run`.
+#[derive(Args, Clone, Debug)]
+pub struct RunArgs {
+    /// The list, TOML (see docs/batch.md).
+    pub batch: PathBuf,
+    /// Check everything and print what it would take; nothing is written.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// How long all of it and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
+}
+
+/// `rrf plan`.
+#[derive(Args, Clone, Debug)]
+pub struct PlanArgs {
+    /// A run folder; or, with --output, a scene file.
+    #[arg(value_name = "RUN|SCENE")]
+    pub input: PathBuf,
+    /// The run folder to make for a scene.
+    #[arg(short, long, value_name = "RUN")]
+    pub output: Option<PathBuf>,
+    /// Print the ids of the tasks that are not done.
+    #[arg(long)]
+    pub missing: bool,
+    /// Print the tasks as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Settings of a new run.
+    #[command(flatten)]
+    pub settings: BakeSettings,
+}
+
+/// `rrf task`.
+#[derive(Args, Clone, Debug)]
+pub struct TaskArgs {
+    /// The plan, RUN/rounds/000/tasks.parquet.
+    #[arg(long, value_name = "P")]
+    pub plan: PathBuf,
+    /// Which task; by default SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
+    #[arg(long, value_name = "N")]
+    pub index: Option<u32>,
+    /// Added to the index of a scheduler, for plans larger than its arrays may be.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub offset: u32,
+}
+
+/// `rrf commit`.
+#[derive(Args, Clone, Debug)]
+pub struct CommitArgs {
+    /// The run folder.
+    pub run: PathBuf,
+    /// Print what came out as JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// A view; what is not given comes from the scene's first camera.
@@ -307,6 +419,44 @@ pub struct QueryArgs {
     pub output: PathBuf,
 }
 
+/// `rrf export`.
+#[derive(Args, Clone, Debug)]
+#[command(group = clap::ArgGroup::new("format").required(true).multiple(true))]
+pub struct ExportArgs {
+    /// A run folder, or for --mitsuba a scene file.
+    pub input: PathBuf,
+    /// Folder for scene.xml, meshes and textures that Mitsuba 3 loads.
+    #[arg(long, value_name = "DIR", group = "format")]
+    pub mitsuba: Option<PathBuf>,
+    /// File for the nets and their kd-tree.
+    #[arg(long, value_name = "F", group = "format")]
+    pub safetensors: Option<PathBuf>,
+    /// File for the same as one ONNX graph.
+    #[arg(long, value_name = "F", group = "format")]
+    pub onnx: Option<PathBuf>,
+    /// Eye position; by default the scene's first camera.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    pub eye: Option<[f32; 3]>,
+    /// Where the camera looks.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true, requires = "eye")]
+    pub look_at: Option<[f32; 3]>,
+    /// Up direction.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    pub up: Option<[f32; 3]>,
+    /// Full angle of the shorter image side [degrees].
+    #[arg(long, value_name = "DEG", value_parser = positive)]
+    pub fov: Option<f32>,
+    /// Picture size in pixels.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// A point light instead of the scene's own: position and radiant intensity [W/sr] (again for more).
+    #[arg(long, value_name = "x,y,z[,r,g,b]", value_parser = parse_light, allow_hyphen_values = true)]
+    pub light: Vec<[f32; 6]>,
+    /// Reading the scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+}
+
 /// `rrf compare`.
 #[derive(Args, Clone, Debug)]
 pub struct CompareArgs {
@@ -418,5 +568,28 @@ fn unit_interval(text: &str) -> Result<f32, String> {
         Ok(x)
     } else {
         Err("has to be from 0 to 1".into())
+    }
+}
+
+/// `1500000`, `512MiB`, `2GB`.
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.');
+    let (number, unit) = text.split_at(digits.unwrap_or(text.len()));
+    let number: f64 = number.parse().map_err(|_| format!("{text}: no size"))?;
+    let scale: f64 = match unit.trim() {
+        "" | "B" => 1.0,
+        "kB" => 1e3,
+        "MB" => 1e6,
+        "GB" => 1e9,
+        "KiB" => 1024.0,
+        "MiB" => 1048576.0,
+        "GiB" => 1073741824.0,
+        _ => return Err(format!("{unit}: units are B, kB, MB, GB, KiB, MiB, GiB")),
+    };
+    let bytes = number * scale;
+    if (1.0..1e18).contains(&bytes) {
+        Ok(bytes as u64)
+    } else {
+        Err(format!("{text}: not a size of memory"))
     }
 }

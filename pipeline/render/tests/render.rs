@@ -92,6 +92,7 @@ fn linear_field() -> Field {
         output_scale: [1.0; 3],
         output_offset: [0.0; 3],
         divide_base: false,
+        exponential: false,
     };
     Field::new(tree, vec![model(0, 0.0), model(1, 10.0)]).unwrap()
 }

@@ -29,6 +29,21 @@ pub fn model_folder(run: &Path) -> PathBuf {
     run.join("model")
 }
 
+/// What one round of a bake was asked and made, outside the model's tables.
+pub fn round_folder(run: &Path, round: u32) -> PathBuf {
+    run.join("rounds").join(format!("{round:03}"))
+}
+
+/// The table of one round's tasks.
+pub fn task_table_path(run: &Path, round: u32) -> PathBuf {
+    round_folder(run, round).join("tasks.parquet")
+}
+
+/// One cell's fit of one round.
+pub fn fit_folder(run: &Path, round: u32, cell: u32) -> PathBuf {
+    round_folder(run, round).join(format!("fits/cell={cell:06}"))
+}
+
 /// Cells that have a folder, ascending.
 ///
 /// # Errors

@@ -35,10 +35,12 @@ pub enum Table {
     Truth,
     /// Queries with the model's radiance.
     Answers,
+    /// Tasks of a round, `rounds/000/tasks.parquet`.
+    Tasks,
 }
 
 /// Every table.
-pub const TABLES: [Table; 7] = [
+pub const TABLES: [Table; 8] = [
     Table::Samples,
     Table::Tree,
     Table::Weights,
@@ -46,6 +48,7 @@ pub const TABLES: [Table; 7] = [
     Table::Points,
     Table::Truth,
     Table::Answers,
+    Table::Tasks,
 ];
 
 impl Table {
@@ -59,6 +62,7 @@ impl Table {
             Table::Points => "points",
             Table::Truth => "truth",
             Table::Answers => "answers",
+            Table::Tasks => "tasks",
         }
     }
 
@@ -72,6 +76,7 @@ impl Table {
             Table::Points => include_str!("../../../schemas/points.toml"),
             Table::Truth => include_str!("../../../schemas/truth.toml"),
             Table::Answers => include_str!("../../../schemas/answers.toml"),
+            Table::Tasks => include_str!("../../../schemas/tasks.toml"),
         }
     }
 }
