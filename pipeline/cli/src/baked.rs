@@ -64,13 +64,12 @@ impl Baked {
         let tracer = Tracer::new(&self.unlit)?;
         let lookout = Lookout::new(&self.unlit, &tracer);
         let free = |p: Vec3| !lookout.inside_solid(p);
-        let lamps = Lamps::new(&self.scene, &tracer, self.light_box(), free);
+        let lamps = Lamps::new(&self.scene, &self.field, self.light_box(), free)?;
         for (k, stand_in) in lamps.stand_ins.iter().enumerate() {
             eprintln!(
-                "area light {k}: the nets light it as {} points; {:.1} % of its first bounce is \
-                 misplaced",
+                "area light {k}: the nets light it as {} points, indirect light within {:.1} %",
                 stand_in.points.len(),
-                100.0 * stand_in.misplaced
+                100.0 * stand_in.error
             );
         }
         Ok(Some(lamps))

@@ -49,14 +49,6 @@ impl Emitter {
         (radiance != Vec3::ZERO).then_some(emitter)
     }
 
-    /// The same with `share` of its power.
-    pub fn dimmed(&self, share: f32) -> Emitter {
-        Emitter {
-            intensity: share * self.intensity,
-            ..*self
-        }
-    }
-
     /// The four triangles between the corners and the edges' middles.
     fn cut(&self) -> [Emitter; 4] {
         let [e, f] = self.edges.map(|edge| 0.5 * edge);

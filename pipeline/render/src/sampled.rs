@@ -21,8 +21,11 @@ use rrf_trace::{Rays, Stream, Tracer};
 const BLOCK: u32 = 8;
 /// Shadow rays of a pixel and iteration.
 const ROUND: u32 = 4;
-/// Uniform share of the mixture, once there is something to mix.
+/// Least uniform share of the mixture.
 const UNIFORM: f32 = 0.2;
+/// Rays of a block for each light at which the uniform share is a half, if not least: what a
+/// block has hardly looked at, it cannot know.
+const HALF_LEARNED: f32 = 4.0;
 /// Lit samples at which a pixel's own distribution gets half of what it can get.
 const HALF_TRUST: f32 = 12.0;
 /// What it can get of what is not uniform.
@@ -76,6 +79,10 @@ struct Learned {
     lights: usize,
     /// Block of each row.
     block: Vec<u32>,
+    /// Rows of each block.
+    block_rows: Vec<u32>,
+    /// Rays of each row in the rounds before.
+    rays: u32,
     /// Sum of the luminances found from each light, block by block; then cumulative.
     found: Vec<f32>,
     cumulative: Vec<f32>,
@@ -122,7 +129,7 @@ impl Sampled {
                 }
             }
             if (number as usize) + 1 < rounds.len() {
-                self.learned.accumulate();
+                self.learned.accumulate(round.rays);
             }
             lap.end(&mut stages.direct);
         }
@@ -229,6 +236,12 @@ impl Learned {
             *block = names.partition_point(|name| name < block) as u32;
         }
         let rows = seen.points.len();
+        self.block_rows.clear();
+        self.block_rows.resize(names.len(), 0);
+        for &block in &self.block {
+            self.block_rows[block as usize] += 1;
+        }
+        self.rays = 0;
         self.lights = lights;
         self.room = rays as usize;
         self.found.clear();
@@ -253,7 +266,8 @@ impl Learned {
     }
 
     /// The blocks' cumulative distributions, up to a factor.
-    fn accumulate(&mut self) {
+    fn accumulate(&mut self, rays: u32) {
+        self.rays += rays;
         let lights = self.lights;
         let blocks = self
             .found
@@ -290,13 +304,16 @@ impl Learned {
         let own = self.own(row);
         let own_total: f32 = own.iter().map(|(_, y)| y).sum();
         let count = own.len() as f32;
+        let looked = (self.rays * self.block_rows[self.block[row] as usize]) as f32;
+        let looked = looked / self.lights as f32;
+        let uniform = (HALF_LEARNED / (HALF_LEARNED + looked)).max(UNIFORM);
         let own = if own_total > 0.0 {
-            (1.0 - UNIFORM) * MOST_TRUST * count / (count + HALF_TRUST)
+            (1.0 - uniform) * MOST_TRUST * count / (count + HALF_TRUST)
         } else {
             0.0
         };
         Mixture {
-            block: 1.0 - UNIFORM - own,
+            block: 1.0 - uniform - own,
             own,
             own_total,
         }
@@ -363,13 +380,15 @@ mod tests {
         let mut learned = Learned {
             lights: 5,
             block: vec![0],
+            block_rows: vec![64],
+            rays: 0,
             found: vec![3.0, 0.0, 1.0, 0.0, 4.0],
             cumulative: vec![0.0; 5],
             own: vec![(2, 1.0), (4, 0.5), (2, 0.5)],
             own_count: vec![3],
             room: 3,
         };
-        learned.accumulate();
+        learned.accumulate(4);
         let mixture = learned.mixture(0, true);
         assert!(mixture.block > 0.0 && mixture.own > 0.0);
         const STEPS: usize = 1 << 16;
