@@ -103,14 +103,19 @@ def call(rrf, *arguments):
 
 
 def parse():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__.splitlines()[0], epilog="What follows -- are settings of rrf bake."
+    )
     parser.add_argument("scene")
     parser.add_argument("-o", "--output", required=True, metavar="RUN")
     parser.add_argument("--address", help="a running cluster's; without it one is made here")
     parser.add_argument("--rrf", default="rrf", help="the program, at the same path on every node")
     parser.add_argument("--retries", type=int, default=5, help="of a task, lost nodes included")
-    parser.add_argument("settings", nargs="*", help="of rrf bake, after --")
-    return parser.parse_args()
+    words = sys.argv[1:]
+    split = words.index("--") if "--" in words else len(words)
+    options = parser.parse_args(words[:split])
+    options.settings = words[split + 1 :]
+    return options
 
 
 if __name__ == "__main__":

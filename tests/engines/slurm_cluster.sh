@@ -17,19 +17,18 @@ fi
 D=$(mktemp -d /tmp/rrf-slurm-XXXXXX)
 mkdir -p "$D/state" "$D/spool-n1" "$D/spool-n2"
 dd if=/dev/urandom of="$D/munge.key" bs=1024 count=1 status=none
-chmod 700 "$D"
+chmod 755 "$D"
 chmod 600 "$D/munge.key"
 
 pids=()
 finish() {
-    # the daemons alone: their jobs end with them
     for pid in "${pids[@]}"; do kill -9 "$pid" 2>/dev/null || true; done
-    pkill -9 -P $$ 2>/dev/null || true
+    wait 2>/dev/null
     [ -n "${KEEP:-}" ] || rm -rf "$D"
 }
 trap finish EXIT
 
-# MaxArraySize 4: a round of five tasks needs two arrays. cred_expire: a requeued job may start
+# MaxArraySize 3: four fits need two arrays. cred_expire: a requeued job may start
 # again that long after its node was lost.
 cat >"$D/slurm.conf" <<CONF
 ClusterName=rrf
@@ -53,7 +52,7 @@ SelectTypeParameters=CR_Core_Memory
 SlurmdParameters=config_overrides
 SlurmdTimeout=10
 ReturnToService=2
-MaxArraySize=4
+MaxArraySize=3
 NodeName=n1 NodeHostname=$(hostname -s) NodeAddr=127.0.0.1 Port=26818 CPUs=1 RealMemory=4000
 NodeName=n2 NodeHostname=$(hostname -s) NodeAddr=127.0.0.1 Port=26819 CPUs=1 RealMemory=4000
 PartitionName=all Nodes=n1,n2 Default=YES State=UP
@@ -61,7 +60,7 @@ CONF
 export SLURM_CONF=$D/slurm.conf
 
 munged --foreground --force --key-file="$D/munge.key" --socket="$D/munge.socket" \
-    --pid-file="$D/munge.pid" --log-file="$D/munge.log" --seed-file="$D/munge.seed" &
+    --pid-file="$D/munge.pid" --log-file="$D/munge.log" --seed-file="$D/munge.seed" >"$D/munged.out" 2>&1 &
 pids+=($!)
 for _ in $(seq 100); do [ -S "$D/munge.socket" ] && break || sleep 0.1; done
 slurmctld -D -c -f "$SLURM_CONF" >"$D/slurmctld.out" 2>&1 &
@@ -76,7 +75,7 @@ for _ in $(seq 300); do
 done
 sinfo -h -o '%D nodes %T'
 
-SETTINGS="--light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 4000 --cells 4 --paths 8 --rounds 2 --most-cells 6"
+SETTINGS="--light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 8000 --cells 4 --paths 8 --rounds 2 --most-cells 6"
 "$RRF" bake --quiet scenes/cornell-box/scene.pbrt -o "$D/whole" $SETTINGS >/dev/null
 python3 pipeline/engines/slurm/submit.py --scene scenes/cornell-box/scene.pbrt --run "$D/run" \
     --rrf "$RRF" --seconds 0 -- $SETTINGS
@@ -88,13 +87,13 @@ for _ in $(seq 6000); do
     jobs=$(squeue -h -w n2 -t running -n rrf-task -o %i 2>/dev/null || true)
     if [ -n "$jobs" ]; then
         kill -9 "$victim"
-        steps=$(pgrep -f "slurmstepd: \[[0-9]*\.(batch|extern)\]" || true)
-        for step in $steps; do
-            # this cluster's, on that node: its environment names neither, its log does
-            if tr '\0' '\n' <"/proc/$step/environ" 2>/dev/null | grep -q "SLURMD_NODENAME=n2"; then
-                pkill -9 -P "$step" || true
-                kill -9 "$step" || true
-            fi
+        # what runs there knows this cluster and that node by its environment
+        for process in /proc/[0-9]*; do
+            { tr "\0" "\n" <"$process/environ"; } 2>/dev/null |
+                grep -cEx "SLURM_CONF=$SLURM_CONF|SLURMD_NODENAME=n2" | grep -qx 2 || continue
+            parent=$(awk '/^PPid/ { print $2 }' "$process/status" 2>/dev/null || true)
+            grep -qx slurmstepd "/proc/$parent/comm" 2>/dev/null && kill -9 "$parent" || true
+            kill -9 "${process#/proc/}" 2>/dev/null || true
         done
         killed=$jobs
         echo "killed n2 while it ran $jobs"

@@ -30,6 +30,9 @@ def main():
     if options.scene:
         rrf(options, "plan", options.scene, "-o", options.run, "--resume", "--json", *options.settings)
     permanent = options.logs / "permanent"
+    if options.scene:
+        # someone asks again: the cause may be gone
+        permanent.unlink(missing_ok=True)
     if permanent.exists():
         stop(options, f"a task cannot succeed, see {options.logs}: {permanent.read_text().strip()}")
     plan = missing(options)
@@ -60,7 +63,7 @@ def submit_round(options, plan):
         waits_for = submit_stage(options, plan, stage, tasks, waits_for) or waits_for
     arguments = ["--run", options.run, "--rrf", options.rrf, "--seconds", options.seconds]
     arguments += ["--before", len(plan["tasks"]), "--tries", options.tries]
-    arguments += ["--patience", options.patience, "--sbatch", options.sbatch]
+    arguments += ["--patience", options.patience, f"--sbatch={options.sbatch}"]
     environment = {"ENGINE": ENGINE, "ARGUMENTS": shlex.join(str(a) for a in arguments)}
     sbatch(options, "next", environment, waits_for, f"--mem={COMMIT_MEMORY_MB}M")
     log(options, f"round {plan['round']}: {len(plan['tasks'])} tasks submitted")
@@ -144,17 +147,21 @@ def stop(options, why):
 
 
 def parse():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__.splitlines()[0], epilog="What follows -- are settings of rrf bake."
+    )
     parser.add_argument("--run", required=True, type=lambda p: Path(p).absolute())
     parser.add_argument("--scene", help="begin a bake of this scene, or go on with it")
     parser.add_argument("--rrf", default="rrf", help="the program, at the same path on every node")
     parser.add_argument("--seconds", type=float, default=300, help="of work an array element")
     parser.add_argument("--patience", type=int, default=3, help="tries that get nothing done")
-    parser.add_argument("--sbatch", default="", help="options for sbatch: partition, account, time")
+    parser.add_argument("--sbatch", default="", help="options of sbatch, --sbatch=\"--partition=P --time=60\"")
     parser.add_argument("--before", type=int, help=argparse.SUPPRESS)
     parser.add_argument("--tries", type=int, default=0, help=argparse.SUPPRESS)
-    parser.add_argument("settings", nargs="*", help="of rrf bake, after --")
-    options = parser.parse_args()
+    words = sys.argv[1:]
+    split = words.index("--") if "--" in words else len(words)
+    options = parser.parse_args(words[:split])
+    options.settings = words[split + 1 :]
     options.logs = options.run.with_name(options.run.name + ".slurm")
     return options
 
