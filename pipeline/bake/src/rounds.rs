@@ -15,6 +15,7 @@ use crate::task::{Stage, Task, is_done, tasks};
 use crate::watch::Watch;
 use crate::work::{Site, perform};
 use rrf_extract::Census;
+use rrf_store::layout::remove_unfinished;
 
 /// Where a run stands.
 #[derive(Clone, Debug)]
@@ -131,6 +132,8 @@ pub fn finish_round(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), Ba
         Next::Stop(stop) => Some(*stop),
         Next::Round(_) => None,
     };
+    // no task is left to do: what lies unfinished, a killed one left
+    remove_unfinished(&run.folder)?;
     run.write_judged(&Judged {
         round: plan.round,
         judgement: judgement.clone(),

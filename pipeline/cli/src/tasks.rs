@@ -25,7 +25,11 @@ pub fn plan(args: &PlanArgs) -> anyhow::Result<()> {
         None => Run::open(&args.input)?,
     };
     let Some(plan) = rrf_bake::standing(&run)?.todo else {
-        println!("nothing to do: the bake has ended");
+        match args.json {
+            true => println!("{}", serde_json::json!({"ended": true, "tasks": []})),
+            false if args.missing => {}
+            false => println!("nothing to do: the bake has ended"),
+        }
         return Ok(());
     };
     // anew, should it have been lost
@@ -68,7 +72,7 @@ fn summary(plan: &RoundPlan, path: &Path, listed: &[&TaskRow]) -> serde_json::Va
             })
         })
         .collect();
-    serde_json::json!({"round": plan.round, "plan": path, "tasks": tasks})
+    serde_json::json!({"ended": false, "round": plan.round, "plan": path, "tasks": tasks})
 }
 
 /// Does one task of a plan, or finds that it is done.
