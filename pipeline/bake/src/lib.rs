@@ -36,7 +36,9 @@ pub use decide::{Next, Stop, decide};
 pub use error::BakeError;
 pub use judge::{CellJudgement, Judgement};
 pub use plan::{CellPlan, DrawPlan, PartPlan, RoundPlan};
-pub use rounds::{Ended, Standing, finish_round, first_plan, perform_stage, rounds, standing};
+pub use rounds::{
+    Ended, Standing, finish_round, first_plan, first_tasks, perform_stage, rounds, standing,
+};
 pub use run::{Judged, Run};
 pub use task::{Stage, Task, is_done, tasks};
 pub use watch::{Halt, Watch};

@@ -1,11 +1,11 @@
 //! `rrf render`: a frame by the baked nets.
 
-use crate::args::{Fallback, Part, RenderArgs};
+use crate::args::{Fallback, LightSampling, Part, RenderArgs};
 use crate::baked::Baked;
 use crate::stats::{self, Clock};
 use crate::{animate, pictures, view};
 use glam::Vec3;
-use rrf_render::{Frame, RenderOptions, Renderer, luminance, trace_untrusted};
+use rrf_render::{Frame, RenderOptions, Renderer, ShadowRays, luminance, trace_untrusted};
 use rrf_trace::Tracer;
 
 /// Renders the view and writes it; with `--frames` again and again, to measure.
@@ -17,7 +17,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let baked = Baked::open(&args.run)?;
     let frame_view = view::view(&args.view, &baked.scene)?;
     let lights = view::lights(&args.view, &baked.scene)?;
-    let tracer = Tracer::new(&baked.unlit)?;
+    let tracer = Tracer::new(baked.shown(&lights))?;
+    let lamps = baked.lamps(&lights)?;
     for notice in baked.notices(&tracer, &frame_view, &lights) {
         eprintln!("warning: {notice}");
     }
@@ -25,6 +26,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let options = RenderOptions {
         part: part(args.view.part),
         aa: args.view.aa,
+        lamps: lamps.as_ref(),
+        shadow_rays: shadow_rays(args),
         // A second look at every row: not where time is measured.
         trusted: args.json_stats.is_none().then_some(&trusted),
         ..RenderOptions::default()
@@ -41,7 +44,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         stats::write(target, &stats::report(&clock, &frame_view, &lights))?;
     }
     if args.fallback == Fallback::Trace {
-        let (spp, aa, seed) = (args.fallback_spp, args.view.aa, baked.run.manifest.seed);
+        let (spp, aa, seed) = (args.fallback_spp, args.view.aa, args.seed);
         let traced = trace_untrusted(&tracer, &frame_view, &lights, &mut frame, spp, aa, seed)?;
         println!("{traced} pixels path-traced: the nets were not trained for them");
     }
@@ -66,6 +69,20 @@ fn show_trust(frame: &mut Frame) {
         if cell != u32::MAX {
             *pixel = pixel.lerp(red, 1.0 - trust.clamp(0.0, 1.0));
         }
+    }
+}
+
+/// Sampled lights, where a number of shadow rays is given or only one way is left.
+pub fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
+    let adaptive = args.light_sampling == LightSampling::Adaptive;
+    let standard = ShadowRays::default();
+    match args.shadow_rays {
+        None if adaptive => None,
+        count => Some(ShadowRays {
+            count: count.unwrap_or(standard.count),
+            adaptive,
+            seed: args.seed,
+        }),
     }
 }
 
