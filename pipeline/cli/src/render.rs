@@ -54,6 +54,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     pictures::write(frame, &args.view, &args.output)
 }
 
+/// Share of red in a pixel that is not trusted at all: the picture stays visible.
+const PAINT: f32 = 0.6;
+
 /// Mixes red, as bright as the frame is on average, into pixels that are not trusted.
 fn show_trust(frame: &mut Frame) {
     let count = frame.full.len().max(1) as f32;
@@ -67,7 +70,7 @@ fn show_trust(frame: &mut Frame) {
     {
         // a pixel that shows no surface has no cell, and nothing to trust or not
         if cell != u32::MAX {
-            *pixel = pixel.lerp(red, 1.0 - trust.clamp(0.0, 1.0));
+            *pixel = pixel.lerp(red, PAINT * (1.0 - trust.clamp(0.0, 1.0)));
         }
     }
 }
