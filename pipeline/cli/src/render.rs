@@ -44,7 +44,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         stats::write(target, &stats::report(&clock, &frame_view, &lights))?;
     }
     if args.fallback == Fallback::Trace {
-        let (spp, aa, seed) = (args.fallback_spp, args.view.aa, args.seed);
+        let (spp, aa, seed) = (args.fallback_spp, args.view.aa, baked.run.manifest.seed);
         let traced = trace_untrusted(&tracer, &frame_view, &lights, &mut frame, spp, aa, seed)?;
         println!("{traced} pixels path-traced: the nets were not trained for them");
     }
@@ -54,8 +54,19 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     pictures::write(frame, &args.view, &args.output)
 }
 
-/// Share of red in a pixel that is not trusted at all: the picture stays visible.
-const PAINT: f32 = 0.6;
+/// Sampled lights, where a number of shadow rays is given or only one way is left.
+pub fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
+    let adaptive = args.light_sampling == LightSampling::Adaptive;
+    let standard = ShadowRays::default();
+    match args.shadow_rays {
+        None if adaptive => None,
+        count => Some(ShadowRays {
+            count: count.unwrap_or(standard.count),
+            adaptive,
+            seed: args.seed,
+        }),
+    }
+}
 
 /// Mixes red, as bright as the frame is on average, into pixels that are not trusted.
 fn show_trust(frame: &mut Frame) {
@@ -70,22 +81,8 @@ fn show_trust(frame: &mut Frame) {
     {
         // a pixel that shows no surface has no cell, and nothing to trust or not
         if cell != u32::MAX {
-            *pixel = pixel.lerp(red, PAINT * (1.0 - trust.clamp(0.0, 1.0)));
+            *pixel = pixel.lerp(red, 1.0 - trust.clamp(0.0, 1.0));
         }
-    }
-}
-
-/// Sampled lights, where a number of shadow rays is given or only one way is left.
-pub fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
-    let adaptive = args.light_sampling == LightSampling::Adaptive;
-    let standard = ShadowRays::default();
-    match args.shadow_rays {
-        None if adaptive => None,
-        count => Some(ShadowRays {
-            count: count.unwrap_or(standard.count),
-            adaptive,
-            seed: args.seed,
-        }),
     }
 }
 
