@@ -164,3 +164,88 @@ fn paths(config: &BakeConfig, plan: &RoundPlan, cell: &CellPlan, judged: &CellJu
 
 const LEAST_PATHS: u32 = 64;
 const MOST_PATHS: u32 = 1024;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{DrawPlan, PartPlan};
+    use crate::{BakeConfig, Preset};
+    use rrf_extract::{Census, LightBox};
+    use rrf_field::tree::Tree;
+
+    fn plan(paths: u32) -> RoundPlan {
+        let part = PartPlan {
+            part: 0,
+            draw: 0,
+            from: None,
+        };
+        RoundPlan {
+            round: 0,
+            tree: Tree::single(),
+            cells: vec![CellPlan {
+                cell: 0,
+                measure: 1.0,
+                parts: vec![part],
+                size: Size::Hidden(vec![20, 10]),
+                fitted: 0,
+            }],
+            draws: vec![DrawPlan {
+                node: 0,
+                rows: 6000,
+                paths,
+            }],
+            lambert: vec![true],
+            mean_luminance: 1.0,
+            diagonal: 1.0,
+            census: Census::default(),
+        }
+    }
+
+    fn judged(noise: f64, gap: f64) -> CellJudgement {
+        CellJudgement {
+            cell: 0,
+            measure: 1.0,
+            square_error: 0.003 + gap,
+            square_error_se: 0.0,
+            train_square_error: 0.003,
+            noise,
+            train_rows: 4200,
+            effective_parameters: 300.0,
+            rows: 6000,
+            weights: 443,
+        }
+    }
+
+    /// The number of paths is the best of all powers of two for the time it takes.
+    #[test]
+    fn paths_are_the_best_for_their_time() {
+        let light_box = LightBox {
+            minimum: [0.0; 3],
+            maximum: [1.0; 3],
+        };
+        let config = BakeConfig::preset(Preset::Standard, light_box, 1);
+        for (now, noise, gap) in [(256, 0.2, 0.01), (64, 0.1, 0.02), (128, 0.3, 0.012)] {
+            let (plan, judged) = (plan(now), judged(noise, gap));
+            let chosen = paths(&config, &plan, &plan.cells[0], &judged);
+            let size = &plan.cells[0].size;
+            let variance = noise * noise * f64::from(now);
+            let unsaid = gap * 4200.0 / 300.0 - noise * noise;
+            let cost = |paths: u32| {
+                let seconds = cost::train_seconds(1_000, size, &config.train)
+                    + cost::draw_seconds(1_000, paths);
+                (unsaid + variance / f64::from(paths)) * seconds
+            };
+            for other in (6..=10).map(|k| 1u32 << k) {
+                assert!(cost(chosen) <= cost(other), "{chosen}, {other} is better");
+            }
+        }
+    }
+
+    #[test]
+    fn nets_grow_along_the_ladder() {
+        let grown = larger(&Size::Hidden(vec![20, 10]));
+        assert_eq!(grown, Some(Size::Hidden(vec![32, 16])));
+        assert_eq!(larger(&Size::Hidden(vec![32, 16])), None);
+        assert_eq!(larger(&Size::Smallest { target: 0.1 }), None);
+    }
+}
