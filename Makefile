@@ -1,5 +1,6 @@
 # make demo   build, bake the Cornell box, render and compare: see README.md
 # make test   everything that has to hold: Rust and Python
+# make notebooks   the notebooks, executed on a small run
 
 OUT ?= out/demo
 SCENE = scenes/cornell-box/scene.pbrt
@@ -7,8 +8,9 @@ LIGHT_BOX = -0.6,1.3,-0.6,0.6,1.8,0.6
 LIGHT = 0.1,1.6,0.2,4,4,4
 RRF = $(or $(CARGO_TARGET_DIR),target)/release/rrf
 VENV = .venv
+NOTEBOOKS = .venv-notebooks
 
-.PHONY: demo test setup test-setup build python clean
+.PHONY: demo test setup test-setup build python notebooks clean
 
 setup:
 	@sh tests/setup.sh
@@ -50,5 +52,15 @@ docs/view.png: build python $(VENV)/installed
 	RRF=$(abspath $(RRF)) RRF_RUN=$(OUT)/run RRF_SCREENSHOT=$@ \
 		$(VENV)/bin/python -m pytest -q tests/python/test_view.py -k screenshot
 
+# the small run that the notebooks look at, and all of them executed
+notebooks: build $(NOTEBOOKS)/installed
+	RRF=$(abspath $(RRF)) sh notebooks/demo.sh out/notebooks
+	RRF=$(abspath $(RRF)) RRF_DEMO=$(abspath out/notebooks) \
+		$(NOTEBOOKS)/bin/python -m pytest -q --nbmake --nbmake-timeout=400 notebooks
+
+$(NOTEBOOKS)/installed: notebooks/requirements.txt notebooks/setup.sh
+	sh notebooks/setup.sh $(NOTEBOOKS)
+	@touch $@
+
 clean:
-	rm -rf out $(VENV)
+	rm -rf out $(VENV) $(NOTEBOOKS)

@@ -1,0 +1,71 @@
+"""The helpers against something dumber, and the notebooks against their pairs."""
+
+import numpy as np
+import jupytext
+import pyarrow as pa
+import pytest
+from scipy import stats
+
+import rrf_tables as rt
+
+FOLDER = rt.ROOT / "notebooks"
+NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_pairs_say_the_same(path):
+    """The ipynb is what jupytext makes of the py."""
+    cells = [[(c.cell_type, c.source) for c in jupytext.read(p).cells] for p in (path, path.with_suffix(".py"))]
+    assert cells[0] == cells[1] and len(cells[0]) > 4
+
+
+def test_there_is_something_to_check():
+    assert len(NOTEBOOKS) >= 4
+
+
+def test_z_limit_is_a_family_limit():
+    """With 200 true tests a family, the largest |z| is beyond a 5 % limit in 5 % of the families:
+    binomial, two-sided at 1e-6."""
+    rng = np.random.default_rng(5)
+    families = 4000
+    beyond = (abs(rng.normal(size=(families, 200))).max(1) > rt.z_limit(200, 0.05)).sum()
+    assert stats.binomtest(int(beyond), families, 0.05).pvalue > 1e-6
+
+
+def test_relative_error_takes_noise_out():
+    """A model off by 10 %, a table with noise of 5 %: 10 % comes out, and not the 11 % of both.
+
+    The noise is in the denominator too: to first order it adds 0.4 E[n mean(n)] / 4 = 3.3e-4 to the
+    square of 0.01, 1.7 % of the error."""
+    rng = np.random.default_rng(6)
+    truth = np.full((40_000, 3), 2.0)
+    noise = np.full_like(truth, 0.1)
+    noisy = truth + rng.normal(0, noise)
+    error, se = rt.relative_error(1.1 * truth, noisy, noise)
+    assert abs(error - 0.1 * 1.017) < 5 * se + 0.1 * 0.005
+    assert rt.relative_error(1.1 * truth, noisy, 0 * noise)[0] > 0.11
+
+
+def test_srgb_is_the_standards():
+    """Continuous at the joint, and colour's values at 0, 0.5, 1."""
+    assert np.allclose(rt.srgb(np.array([0.0, 0.5, 1.0])), [0, 0.7353569830524495, 1])
+    below, above = rt.srgb(np.array([0.0031308 - 1e-9, 0.0031308 + 1e-9]))
+    assert abs(above - below) < 1e-6
+
+
+def test_leaf_is_the_walk():
+    """Against a row-by-row walk of a tree of three leaves."""
+    tree = pa.table({
+        "axis_name": ["px", "ly", None, None, None], "threshold": [0.5, 0.25, None, None, None],
+        "left": [1, 3, None, None, None], "cell_id": [None, None, 0, 1, 2],
+    })
+    tree = tree.set_column(2, "left", pa.array([1, 3, None, None, None], pa.uint32()))
+    rng = np.random.default_rng(8)
+    rows = pa.table({name: rng.uniform(size=500).astype(np.float32) for name in rt.contract_names()})
+    wanted = []
+    for row in rows.to_pylist():
+        node = 0
+        while (name := tree["axis_name"][node].as_py()) is not None:
+            node = tree["left"][node].as_py() + (row[name] >= tree["threshold"][node].as_py())
+        wanted.append(tree["cell_id"][node].as_py())
+    assert rt.leaf(tree, rows).tolist() == wanted and len(set(wanted)) == 3
