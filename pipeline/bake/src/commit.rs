@@ -67,7 +67,8 @@ fn remove_replaced(run: &Run, plan: &RoundPlan) -> Result<(), BakeError> {
     Ok(())
 }
 
-fn places(plan: &RoundPlan) -> impl Iterator<Item = [u32; 2]> {
+/// Cell and part of every part of a plan.
+pub(crate) fn places(plan: &RoundPlan) -> impl Iterator<Item = [u32; 2]> {
     let of = |cell: &crate::plan::CellPlan| {
         let id = cell.cell;
         let parts: Vec<[u32; 2]> = cell.parts.iter().map(|p| [id, p.part]).collect();

@@ -42,9 +42,9 @@ impl BakeConfig {
     /// A preset's settings.
     pub fn preset(preset: Preset, light_box: LightBox, seed: u64) -> BakeConfig {
         let (cells, rows, paths, rounds, most_cells) = match preset {
-            Preset::Preview => (16, 40_000, 32, 1, 16),
-            Preset::Standard => (32, 240_000, 64, 3, 128),
-            Preset::Fine => (128, 2_000_000, 128, 6, 1024),
+            Preset::Preview => (16, 40_000, 64, 1, 16),
+            Preset::Standard => (48, 300_000, 256, 8, 300),
+            Preset::Fine => (128, 1_000_000, 256, 12, 4096),
         };
         BakeConfig {
             preset,
@@ -65,6 +65,7 @@ impl BakeConfig {
             },
             train: TrainConfig {
                 seed,
+                exponential: true,
                 ..TrainConfig::default()
             },
         }

@@ -27,8 +27,13 @@ pub(crate) fn extract_seconds(part: &PartPlan, draw: &DrawPlan) -> f64 {
     let rows = f64::from(draw.rows);
     match part.from {
         Some(_) => rows * TAKEN_ROW,
-        None => rows * f64::from(draw.paths) * PATH,
+        None => draw_seconds(draw.rows, draw.paths),
     }
+}
+
+/// Seconds of one core that `rows` rows of `paths` paths take to trace.
+pub(crate) fn draw_seconds(rows: u32, paths: u32) -> f64 {
+    f64::from(rows) * f64::from(paths) * PATH
 }
 
 /// Bytes at the most.

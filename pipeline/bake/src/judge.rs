@@ -15,8 +15,14 @@ pub struct CellJudgement {
     pub square_error: f64,
     /// Standard error of that.
     pub square_error_se: f64,
+    /// The same over its training rows: what the net cannot follow. 0 where it was not told.
+    pub train_square_error: f64,
     /// Relative standard error of its rows' targets.
     pub noise: f64,
+    /// Rows trained on.
+    pub train_rows: u64,
+    /// γ of its net.
+    pub effective_parameters: f64,
     /// Its rows.
     pub rows: u64,
     /// Weights of its net.
@@ -46,7 +52,13 @@ pub(crate) fn judge(plan: &RoundPlan, fits: &[Fit]) -> Judgement {
                 measure: cell.measure,
                 square_error: error.mean,
                 square_error_se: error.se,
+                train_square_error: fit.metrics.train.map_or(0.0, |e| e.mean),
                 noise: fit.metrics.noise.unwrap_or(0.0),
+                train_rows: fit.metrics.train_rows,
+                effective_parameters: fit
+                    .metrics
+                    .effective_parameters
+                    .unwrap_or(f64::from(fit.metrics.weights)),
                 rows: fit.metrics.rows,
                 weights: fit.metrics.weights,
             })

@@ -4,7 +4,7 @@
 //! - [`tasks`]: the round cut into pieces that know by a hash whether they are done; [`perform`]
 //!   does one;
 //! - [`commit`]: fits become the model; [`Judgement`]: how good it is;
-//! - [`decide`]: which cells the next round splits, or why there is none;
+//! - [`decide`]: what the next round does about which cells, or why there is none;
 //! - [`rounds`]: all of this again and again, in this process.
 //!
 //! Stages read and write files of the run folder and nothing else, so that each can be run alone
@@ -21,6 +21,7 @@ mod decide;
 mod error;
 mod judge;
 mod plan;
+mod remedy;
 mod rounds;
 mod run;
 mod split;
@@ -35,7 +36,9 @@ pub use decide::{Next, Stop, decide};
 pub use error::BakeError;
 pub use judge::{CellJudgement, Judgement};
 pub use plan::{CellPlan, DrawPlan, PartPlan, RoundPlan};
-pub use rounds::{Ended, Standing, finish_round, first_plan, perform_stage, rounds, standing};
+pub use rounds::{
+    Ended, Standing, finish_round, first_plan, first_tasks, perform_stage, rounds, standing,
+};
 pub use run::{Judged, Run};
 pub use task::{Stage, Task, is_done, tasks};
 pub use watch::{Halt, Watch};

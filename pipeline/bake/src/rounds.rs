@@ -4,6 +4,7 @@
 //! with the task that it was cut off in, and so that the tasks may as well be done by others.
 
 use crate::commit::{commit, missing};
+use crate::config::BakeConfig;
 use crate::crew;
 use crate::decide::{Next, Stop, decide};
 use crate::error::BakeError;
@@ -43,7 +44,7 @@ pub fn standing(run: &Run) -> Result<Standing, BakeError> {
                 ended
             }
         };
-        if ended && missing(run, &plan)? > 0 || ended && !run.has_model() {
+        if ended && (!run.has_model() || missing(run, &plan)? > 0) {
             return Ok(Standing {
                 judged,
                 todo: Some(plan),
@@ -62,12 +63,23 @@ pub fn first_plan(run: &Run, site: &Site) -> Result<RoundPlan, BakeError> {
     if let Some(plan) = run.read_plan(0)? {
         return Ok(plan);
     }
-    let config = &run.config.extract;
-    let first = rrf_extract::plan(site.scene(), site.tracer(), config)?;
-    let diagonal = site.scene().bounds().map_or(0.0, |b| b.diagonal());
-    let plan = RoundPlan::first(first, diagonal, config.paths, &run.config.train.size);
+    let plan = plan_first(&run.config, site)?;
     run.write_plan(&plan)?;
     Ok(plan)
+}
+
+/// The tasks of a first round, for an estimate: nothing is written.
+pub fn first_tasks(config: &BakeConfig, site: &Site) -> Result<Vec<Task>, BakeError> {
+    let run = Run::unwritten(site.scene(), config)?;
+    let plan = plan_first(config, site)?;
+    tasks(&run, &plan)
+}
+
+fn plan_first(config: &BakeConfig, site: &Site) -> Result<RoundPlan, BakeError> {
+    let first = rrf_extract::plan(site.scene(), site.tracer(), &config.extract)?;
+    let diagonal = site.scene().bounds().map_or(0.0, |b| b.diagonal());
+    let (paths, size) = (config.extract.paths, &config.train.size);
+    Ok(RoundPlan::first(first, diagonal, paths, size))
 }
 
 /// Does the tasks of one stage that are not done; `only` limits them to some cells.

@@ -1,5 +1,6 @@
 //! The run folder: what it belongs to, and where its files lie.
 
+use crate::commit::places;
 use crate::config::BakeConfig;
 use crate::decide::Stop;
 use crate::error::BakeError;
@@ -12,10 +13,11 @@ use rrf_store::StoreError;
 use rrf_store::atomic::{atomic_write, create_folder};
 use rrf_store::layout::{model_folder, round_folder, task_table_path};
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
+use rrf_store::parts::remove_part;
 use rrf_store::task_table::write_tasks;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -74,6 +76,46 @@ impl Run {
             manifest,
             config: config.clone(),
         })
+    }
+
+    /// A run of these settings that is in no folder.
+    pub(crate) fn unwritten(scene: &Scene, config: &BakeConfig) -> Result<Run, BakeError> {
+        Ok(Run {
+            folder: PathBuf::new(),
+            manifest: manifest(scene, config)?,
+            config: config.clone(),
+        })
+    }
+
+    /// Makes a folder ready to be resumed with these settings: where it was begun with others,
+    /// what depends on the difference goes and the rest stays. Another scene, seed, program or
+    /// setting of the extraction leaves nothing; other settings leave the first round's samples
+    /// and all fits, which tasks of the same inputs find done. A folder without a run is left
+    /// alone.
+    pub fn renew(folder: &Path, scene: &Scene, config: &BakeConfig) -> Result<(), BakeError> {
+        if !RunManifest::path(folder).exists() {
+            return Ok(());
+        }
+        let found = RunManifest::read(folder)?;
+        let asked = manifest(scene, config)?;
+        if found == asked {
+            return Ok(());
+        }
+        let same = found.facts() == asked.facts()
+            && found.config.get("extract") == asked.config.get("extract")
+            && found.created_by == asked.created_by;
+        let gone: &[&str] = if same {
+            &["model"]
+        } else {
+            &["model", "samples", "rounds"]
+        };
+        for name in gone {
+            remove_folder(&folder.join(name))?;
+        }
+        if same {
+            retire_plans(folder)?;
+        }
+        Ok(asked.write(folder)?)
     }
 
     /// Opens a run that exists.
@@ -169,6 +211,45 @@ impl Run {
             return differ("configuration", found, asked);
         }
         Ok(())
+    }
+}
+
+/// Removes every round's plan and judgement, and the samples that the first round does not have:
+/// the plans are made anew, and what they ask for again is found done.
+fn retire_plans(folder: &Path) -> Result<(), BakeError> {
+    let mut first = None;
+    for round in 0.. {
+        let path = round_folder(folder, round).join("plan.json");
+        let Some(plan) = read_json::<RoundPlan>(&path)? else {
+            return Ok(());
+        };
+        let first = first.get_or_insert_with(|| places(&plan).collect::<BTreeSet<_>>());
+        for [cell, part] in places(&plan).filter(|place| !first.contains(place)) {
+            remove_part(folder, cell, part)?;
+        }
+        for name in ["judged.json", "tasks.parquet", "plan.json"] {
+            remove_file(&round_folder(folder, round).join(name))?;
+        }
+    }
+    Ok(())
+}
+
+fn remove_file(path: &Path) -> Result<(), StoreError> {
+    removed(path, std::fs::remove_file(path))
+}
+
+fn remove_folder(path: &Path) -> Result<(), StoreError> {
+    removed(path, std::fs::remove_dir_all(path))
+}
+
+fn removed(path: &Path, result: std::io::Result<()>) -> Result<(), StoreError> {
+    match result {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(StoreError::Io {
+            path: path.into(),
+            action: "remove",
+            source,
+        }),
+        _ => Ok(()),
     }
 }
 

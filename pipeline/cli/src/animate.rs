@@ -3,7 +3,7 @@
 use crate::args::{FrameFormat, RenderArgs};
 use crate::baked::Baked;
 use crate::failure::BadInput;
-use crate::render::part;
+use crate::render::{part, shadow_rays};
 use crate::stats::{self, Clock};
 use crate::view;
 use anyhow::Context;
@@ -27,10 +27,14 @@ pub fn run(args: &RenderArgs, camera: &Path) -> anyhow::Result<()> {
     let baked = Baked::open(&args.run)?;
     let lights = lights(args, &baked, &shots)?;
     new_folder(folder)?;
-    let tracer = Tracer::new(&baked.unlit)?;
+    let first = lights.first().cloned().unwrap_or_default();
+    let tracer = Tracer::new(baked.shown(&first))?;
+    let lamps = baked.lamps(&first)?;
     let options = RenderOptions {
         part: part(args.view.part),
         aa: args.view.aa,
+        lamps: lamps.as_ref(),
+        shadow_rays: shadow_rays(args),
         ..RenderOptions::default()
     };
     let renderer = Renderer::new(&tracer, &baked.field);

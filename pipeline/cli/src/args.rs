@@ -27,6 +27,8 @@ pub enum Command {
     Extract(ExtractArgs),
     /// The last stages of a bake alone: train, judge.
     Train(TrainArgs),
+    /// Bake everything that a file lists; again: only what changed.
+    Run(RunArgs),
     /// Tasks of a bake's next round as a table, for schedulers.
     Plan(PlanArgs),
     /// Do one task of a plan; done ones are skipped.
@@ -39,6 +41,8 @@ pub enum Command {
     Trace(TraceArgs),
     /// The model's indirect radiance at points of a table.
     Query(QueryArgs),
+    /// The scene for Mitsuba 3, or the baked nets as tensors.
+    Export(ExportArgs),
     /// Compare two EXR frames: relMSE, relative error, ΔE*ab, ΔE2000, FLIP.
     Compare(CompareArgs),
     /// Print what was understood of a scene file.
@@ -113,6 +117,9 @@ pub struct BakeSettings {
     /// How much work.
     #[arg(long, value_enum, default_value_t = Preset::Standard)]
     pub preset: Preset,
+    /// What each cell is fitted by: nets, or a baseline to compare them with.
+    #[arg(long, value_enum, default_value_t = Method::Nets)]
+    pub method: Method,
     /// Go on with a run that was cut off; what is done stays.
     #[arg(long)]
     pub resume: bool,
@@ -134,6 +141,19 @@ pub struct BakeSettings {
     /// Reading the scene.
     #[command(flatten)]
     pub scene_options: SceneOptions,
+}
+
+/// What each cell is fitted by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Nets with exponential outputs.
+    Nets,
+    /// Nets whose outputs are radiance itself, as Ren et al. 2013 have them.
+    LinearOutputs,
+    /// Linear regression on the same inputs.
+    LinearRegression,
+    /// One net for the whole scene.
+    GlobalNet,
 }
 
 /// How much work a bake does.
@@ -183,6 +203,19 @@ pub enum TrainMode {
     Online,
     /// Batch after batch, keeping what the earlier ones taught.
     Recursive,
+}
+
+/// `rrf run`.
+#[derive(Args, Clone, Debug)]
+pub struct RunArgs {
+    /// The list, TOML (see docs/batch.md).
+    pub batch: PathBuf,
+    /// Check everything and print what it would take; nothing is written.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// How long all of it and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
 }
 
 /// `rrf plan`.
@@ -253,6 +286,9 @@ pub struct ViewArgs {
     /// A point light: position and radiant intensity [W/sr] (again for more).
     #[arg(long, value_name = "x,y,z[,r,g,b]", value_parser = parse_light, allow_hyphen_values = true)]
     pub light: Vec<[f32; 6]>,
+    /// The scene's own lights shine beside those of --light.
+    #[arg(long)]
+    pub scene_lights: bool,
     /// Which part of the light the picture shows.
     #[arg(long, value_enum, default_value_t = Part::Full)]
     pub part: Part,
@@ -275,6 +311,15 @@ pub enum Part {
     Indirect,
 }
 
+/// What becomes of pixels that the nets were not trained for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Fallback {
+    /// The nets are believed.
+    None,
+    /// They are path-traced.
+    Trace,
+}
+
 /// `rrf render`.
 #[derive(Args, Clone, Debug)]
 pub struct RenderArgs {
@@ -295,12 +340,41 @@ pub struct RenderArgs {
     /// View and lights.
     #[command(flatten)]
     pub view: ViewArgs,
-    /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output).
+    /// Shadow rays of each camera ray, shared by all lights. By default point lights get one
+    /// each, and area lights 16 together.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub shadow_rays: Option<u32>,
+    /// How shadow rays choose among lights.
+    #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
+    pub light_sampling: LightSampling,
+    /// Seed of the shadow rays.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// What becomes of pixels that the nets were not trained for.
+    #[arg(long, value_enum, default_value_t = Fallback::None, conflicts_with_all = ["json_stats", "path"])]
+    pub fallback: Fallback,
+    /// Paths a pixel and light of --fallback trace.
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..))]
+    pub fallback_spp: u32,
+    /// Paint pixels that the nets were not trained for red, by the share of their samples.
+    #[arg(long, conflicts_with_all = ["json_stats", "path"])]
+    pub show_trust: bool,
+    /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output). Frames are
+    /// then made without the layer of trust.
     #[arg(long, value_name = "FILE")]
     pub json_stats: Option<PathBuf>,
     /// Render the frame N times, for --json-stats in steady state.
     #[arg(long, value_name = "N", default_value_t = 1, requires = "json_stats", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
+}
+
+/// How shadow rays choose among lights; both are unbiased.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LightSampling {
+    /// By what earlier rays of the pixel and its neighbours found (Donikian et al. 2006).
+    Adaptive,
+    /// All alike.
+    Uniform,
 }
 
 /// A format of frames.
@@ -377,6 +451,44 @@ pub struct QueryArgs {
     /// Table to write.
     #[arg(short, long, value_name = "OUT.parquet")]
     pub output: PathBuf,
+}
+
+/// `rrf export`.
+#[derive(Args, Clone, Debug)]
+#[command(group = clap::ArgGroup::new("format").required(true).multiple(true))]
+pub struct ExportArgs {
+    /// A run folder, or for --mitsuba a scene file.
+    pub input: PathBuf,
+    /// Folder for scene.xml, meshes and textures that Mitsuba 3 loads.
+    #[arg(long, value_name = "DIR", group = "format")]
+    pub mitsuba: Option<PathBuf>,
+    /// File for the nets and their kd-tree.
+    #[arg(long, value_name = "F", group = "format")]
+    pub safetensors: Option<PathBuf>,
+    /// File for the same as one ONNX graph.
+    #[arg(long, value_name = "F", group = "format")]
+    pub onnx: Option<PathBuf>,
+    /// Eye position; by default the scene's first camera.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    pub eye: Option<[f32; 3]>,
+    /// Where the camera looks.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true, requires = "eye")]
+    pub look_at: Option<[f32; 3]>,
+    /// Up direction.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    pub up: Option<[f32; 3]>,
+    /// Full angle of the shorter image side [degrees].
+    #[arg(long, value_name = "DEG", value_parser = positive)]
+    pub fov: Option<f32>,
+    /// Picture size in pixels.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// A point light instead of the scene's own: position and radiant intensity [W/sr] (again for more).
+    #[arg(long, value_name = "x,y,z[,r,g,b]", value_parser = parse_light, allow_hyphen_values = true)]
+    pub light: Vec<[f32; 6]>,
+    /// Reading the scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
 }
 
 /// `rrf compare`.
@@ -509,7 +621,7 @@ fn parse_bytes(text: &str) -> Result<u64, String> {
         _ => return Err(format!("{unit}: units are B, kB, MB, GB, KiB, MiB, GiB")),
     };
     let bytes = number * scale;
-    if bytes >= 1.0 && bytes < 1e18 {
+    if (1.0..1e18).contains(&bytes) {
         Ok(bytes as u64)
     } else {
         Err(format!("{text}: not a size of memory"))

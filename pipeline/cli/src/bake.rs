@@ -1,12 +1,13 @@
 //! `rrf bake`, `rrf extract`, `rrf train`.
 
-use crate::args::{BakeArgs, BakeSettings, ExtractArgs, TrainArgs, TrainMode};
+use crate::args::{BakeArgs, BakeSettings, ExtractArgs, Method, TrainArgs, TrainMode};
 use crate::progress::Bars;
 use crate::scene;
 use rrf_bake::{BakeConfig, BakeError, Judgement, Next, Preset, Run, Site, Stage};
 use rrf_extract::{Census, ExtractError, LightBox};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
+use rrf_train::Size;
 use std::time::Instant;
 
 /// The whole chain.
@@ -105,6 +106,9 @@ fn mode(args: &TrainArgs) -> rrf_train::Mode {
     }
 }
 
+/// Hidden units of the net that stands for the whole scene.
+const GLOBAL_NET: [usize; 2] = [32, 16];
+
 /// The settings that the arguments mean.
 pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractError> {
     let light_box = match args.light_box {
@@ -131,6 +135,21 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractE
     config.most_cells = args
         .most_cells
         .unwrap_or(config.most_cells.max(config.extract.cells));
+    match args.method {
+        Method::Nets => {}
+        Method::LinearOutputs => config.train.exponential = false,
+        Method::LinearRegression => {
+            config.train.exponential = false;
+            config.train.size = Size::Hidden(Vec::new());
+            // a later round would give cells larger nets
+            config.rounds = 1;
+        }
+        Method::GlobalNet => {
+            (config.extract.cells, config.most_cells) = (1, 1);
+            config.train.size = Size::Hidden(GLOBAL_NET.to_vec());
+            config.rounds = 1;
+        }
+    }
     Ok(config)
 }
 

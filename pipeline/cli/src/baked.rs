@@ -5,7 +5,7 @@ use rrf_bake::Run;
 use rrf_extract::Lookout;
 use rrf_field::Field;
 use rrf_field::columns::Columns;
-use rrf_render::{Lights, Notice, View, notices};
+use rrf_render::{Lamps, Lights, Notice, View, notices};
 use rrf_scene::Scene;
 use rrf_store::model::{self, ModelTree};
 use rrf_trace::Tracer;
@@ -44,6 +44,39 @@ impl Baked {
     pub fn light_box(&self) -> [Vec3; 2] {
         let [x0, y0, z0, x1, y1, z1] = self.run.manifest.light_box;
         [Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1)]
+    }
+
+    /// The scene that frames are traced in: with its lamps where they shine.
+    pub fn shown(&self, lights: &Lights) -> &Scene {
+        if self.has_lamps(lights) {
+            &self.scene
+        } else {
+            &self.unlit
+        }
+    }
+
+    /// The lamps, where they shine; what stands for them in the nets' light, and how well, is
+    /// said on standard error.
+    pub fn lamps(&self, lights: &Lights) -> anyhow::Result<Option<Lamps>> {
+        if !self.has_lamps(lights) {
+            return Ok(None);
+        }
+        let tracer = Tracer::new(&self.unlit)?;
+        let lookout = Lookout::new(&self.unlit, &tracer);
+        let free = |p: Vec3| !lookout.inside_solid(p);
+        let lamps = Lamps::new(&self.scene, &self.field, self.light_box(), free)?;
+        for (k, stand_in) in lamps.stand_ins.iter().enumerate() {
+            eprintln!(
+                "area light {k}: the nets light it as {} points, indirect light within {:.1} %",
+                stand_in.points.len(),
+                100.0 * stand_in.error
+            );
+        }
+        Ok(Some(lamps))
+    }
+
+    fn has_lamps(&self, lights: &Lights) -> bool {
+        lights.area && !self.scene.area_lights.is_empty()
     }
 
     /// Whether the nets were trained for each of the rows.

@@ -1,6 +1,7 @@
 //! Exit codes: 0 done, 1 failed (could succeed if tried again), 2 bad input or usage.
 
 use rrf_bake::BakeError;
+use rrf_export::ExportError;
 use rrf_extract::ExtractError;
 use rrf_field::FieldError;
 use rrf_render::RenderError;
@@ -34,6 +35,10 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
             || cause.is::<ExtractError>()
             || cause.is::<FieldError>()
             || matches!(cause.downcast_ref(), Some(ViewError::Bind { .. }))
+            || matches!(
+                cause.downcast_ref::<ExportError>(),
+                Some(ExportError::Model { .. })
+            )
             || cause
                 .downcast_ref::<RenderError>()
                 .is_some_and(RenderError::is_bad_input)

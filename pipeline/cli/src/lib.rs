@@ -7,8 +7,10 @@ mod animate;
 mod args;
 mod bake;
 mod baked;
+mod batch;
 mod compare;
 mod doctor;
+mod export;
 mod failure;
 mod page;
 mod pictures;
@@ -49,10 +51,12 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Bake(args) => bake::bake(args, cli.quiet),
         Command::Extract(args) => bake::extract(args, cli.quiet),
         Command::Train(args) => bake::train(args, cli.quiet),
+        Command::Run(args) => batch::run(args, cli.quiet),
         Command::Plan(args) => tasks::plan(args),
         Command::Task(args) => tasks::task(args),
         Command::Commit(args) => tasks::commit(args),
         Command::Render(args) => render::run(args),
+        Command::Export(args) => export::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Trace(args) => trace::run(args, cli.quiet),
         Command::Query(args) => query::run(args),

@@ -10,6 +10,7 @@ pub mod columns;
 mod derived;
 mod error;
 mod evaluate;
+mod exp;
 mod kernel;
 mod lights;
 pub mod model;
@@ -23,6 +24,7 @@ mod walk;
 
 pub use error::FieldError;
 pub use evaluate::Field;
+pub use exp::{EXP_ERROR, MAX_EXPONENT};
 pub use lights::Light;
 pub use spent::Spent;
 pub use tanh::TANH_ERROR;

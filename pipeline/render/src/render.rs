@@ -1,18 +1,22 @@
 //! A frame: what the camera sees, its direct light, its indirect light by the nets.
 
 use crate::direct::Direct;
+use crate::emitter::Emitter;
 use crate::error::RenderError;
 use crate::facts;
 use crate::frame::Frame;
+use crate::sampled::{Sampled, ShadowRays};
 use crate::stages::{Lap, Stages};
+use crate::stand_in::Lamps;
 use crate::tile::{self, Tile, Visible};
 use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::{Field, Light};
-use rrf_scene::PointLight;
+use rrf_scene::{MaterialKind, PointLight};
 use rrf_trace::Tracer;
+use rrf_trace::bsdf::Bsdf;
 use std::sync::Mutex;
 
 /// Which part of the light a frame shows.
@@ -49,6 +53,11 @@ pub struct RenderOptions<'a> {
     pub aa: u32,
     /// Negative radiance of the indirect part, pixel by pixel and channel by channel.
     pub negative: Negative,
+    /// The scene's area lights: needed where they shine, with the scene that has them traced.
+    pub lamps: Option<&'a Lamps>,
+    /// How lights are sampled. Point lights are otherwise exact, one shadow ray each; area
+    /// lights are always sampled, by [`ShadowRays::default`] if need be.
+    pub shadow_rays: Option<ShadowRays>,
     /// Tells which rows, light included, the nets were trained for; with it the frame has a
     /// trust layer.
     pub trusted: Option<&'a Trusted<'a>>,
@@ -65,6 +74,7 @@ impl RenderOptions<'_> {
 struct Work {
     seen: Visible,
     direct: Direct,
+    sampled: Sampled,
     radiance: [Vec<f32>; 3],
     cells: Vec<u32>,
     stages: Stages,
@@ -84,7 +94,13 @@ struct Job<'f> {
     tracer: &'f Tracer<'f>,
     field: &'f Field,
     view: &'f View,
+    /// Point lights by exact shadow rays.
     points: &'f [PointLight],
+    /// Lights to be sampled.
+    emitters: Vec<Emitter>,
+    /// Whether surfaces may shine themselves.
+    emission: bool,
+    /// Point lights of the nets.
     lights: Vec<Light>,
     options: &'f RenderOptions<'f>,
 }
@@ -133,21 +149,7 @@ impl<'a> Renderer<'a> {
     ) -> Result<Stages, RenderError> {
         view.check()?;
         lights.check()?;
-        if lights.area && !self.tracer.scene().area_lights.is_empty() {
-            return Err(RenderError::AreaLights);
-        }
-        let light = |light: &PointLight| Light {
-            position: light.position.to_array(),
-            intensity: light.intensity.to_array(),
-        };
-        let job = Job {
-            tracer: self.tracer,
-            field: self.field,
-            view,
-            points: &lights.points,
-            lights: lights.points.iter().map(light).collect(),
-            options,
-        };
+        let job = self.job(view, lights, options)?;
         let mut layers = Layers::of(frame, view);
         let bands = layers.bands(view.width).enumerate();
         let stages = bands
@@ -165,6 +167,43 @@ impl<'a> Renderer<'a> {
         let mut sum = Stages::default();
         stages.iter().for_each(|stages| sum.add(stages));
         Ok(sum)
+    }
+
+    /// Which lights are exact, which are sampled, which the nets see.
+    fn job<'f>(
+        &'f self,
+        view: &'f View,
+        lights: &'f Lights,
+        options: &'f RenderOptions<'f>,
+    ) -> Result<Job<'f>, RenderError> {
+        let lamps = match options.lamps {
+            Some(lamps) if lights.area => Some(lamps),
+            None if lights.area && !self.tracer.scene().area_lights.is_empty() => {
+                return Err(RenderError::AreaLights);
+            }
+            _ => None,
+        };
+        let light = |light: &PointLight| Light {
+            position: light.position.to_array(),
+            intensity: light.intensity.to_array(),
+        };
+        let stand_ins = lamps.into_iter().flat_map(Lamps::points);
+        let cells = lamps.map_or(&[][..], |lamps| &lamps.cells);
+        let points = lights.points.iter().map(Emitter::from);
+        let sampled = points.filter(|_| options.shadow_rays.is_some());
+        Ok(Job {
+            tracer: self.tracer,
+            field: self.field,
+            view,
+            points: match options.shadow_rays {
+                None => &lights.points,
+                Some(_) => &[],
+            },
+            emitters: sampled.chain(cells.iter().copied()).collect(),
+            emission: lamps.is_some(),
+            lights: lights.points.iter().map(light).chain(stand_ins).collect(),
+            options,
+        })
     }
 
     /// A thread that panicked may leave the list behind poisoned, but never half changed.
@@ -288,17 +327,8 @@ impl Job<'_> {
         lap.end(&mut work.stages.resolve);
         let (with_direct, with_indirect) = parts(self.options.part);
         if with_direct {
-            let Work {
-                seen,
-                direct,
-                stages,
-                ..
-            } = work;
-            direct.point_lights(self.tracer, seen, self.points, stages);
+            self.direct(work, tile, weight, band);
             lap = Lap::start();
-            for (&pixel, &radiance) in seen.pixel.iter().zip(&direct.radiance) {
-                band.direct[pixel as usize] += weight * radiance;
-            }
         }
         if with_indirect {
             self.indirect(work, weight, band)?;
@@ -307,6 +337,39 @@ impl Job<'_> {
         band.sum(tile, self.view.width, self.options.negative);
         lap.end(&mut work.stages.resolve);
         Ok(())
+    }
+
+    /// Light straight from the lights, and what the surface sends out itself.
+    fn direct(&self, work: &mut Work, tile: Tile, weight: f32, band: &mut Band) {
+        let Work {
+            seen,
+            direct,
+            sampled,
+            stages,
+            ..
+        } = work;
+        direct.point_lights(self.tracer, seen, self.points, stages);
+        let mut lap = Lap::start();
+        for (&pixel, &radiance) in seen.pixel.iter().zip(&direct.radiance) {
+            band.direct[pixel as usize] += weight * radiance;
+        }
+        if !self.emitters.is_empty() {
+            let first = u64::from(tile.y) * u64::from(self.view.width);
+            let plan = self.options.shadow_rays.unwrap_or_default();
+            let place = (first, self.view.width);
+            sampled.estimate(self.tracer, seen, &self.emitters, plan, place, stages);
+            lap = Lap::start();
+            for (&pixel, &radiance) in seen.pixel.iter().zip(&sampled.radiance) {
+                band.direct[pixel as usize] += weight * radiance;
+            }
+        }
+        if self.emission {
+            let shining = seen.points.iter().zip(&seen.viewers);
+            for (&pixel, (point, &v)) in seen.pixel.iter().zip(shining) {
+                band.direct[pixel as usize] += weight * self.tracer.emission(point, v);
+            }
+        }
+        lap.end(&mut stages.resolve);
     }
 
     /// The nets' light at the visible points, and which nets gave it.
@@ -323,9 +386,12 @@ impl Job<'_> {
             .evaluate_lights_timed(&seen.rows, &self.lights, radiance, cells, spent)?;
         let mut lap = Lap::start();
         let [r, g, b] = &*radiance;
-        let rgb = r.iter().zip(g).zip(b);
-        for (&pixel, ((&r, &g), &b)) in seen.pixel.iter().zip(rgb) {
-            band.indirect[pixel as usize] += weight * Vec3::new(r, g, b);
+        let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);
+        for (&pixel, (((&r, &g), &b), material)) in seen.pixel.iter().zip(rgb) {
+            // no net was trained on what sends no light, such as a lamp
+            if !is_black(material) {
+                band.indirect[pixel as usize] += weight * Vec3::new(r, g, b);
+            }
         }
         // Of the pixel's first ray that hit, which comes last here.
         for (&pixel, &cell) in seen.pixel.iter().zip(&*cells).rev() {
@@ -340,6 +406,11 @@ impl Job<'_> {
         lap.end(&mut stages.resolve);
         Ok(())
     }
+}
+
+/// Whether a surface reflects nothing.
+fn is_black(material: &Bsdf) -> bool {
+    material.kind == MaterialKind::Lambert && material.base_color == Vec3::ZERO
 }
 
 /// Whether each row is trusted under every one of the lights.

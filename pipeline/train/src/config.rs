@@ -81,6 +81,10 @@ pub struct TrainConfig {
     /// Divide the target by the base colour (Lambert cells: outgoing radiance is proportional
     /// to it). Channels of base colour 0 are left out of the loss.
     pub divide_base: bool,
+    /// The net's outputs are exponents: y = scale exp(out). Radiance spans orders of magnitude
+    /// and is a product of distances, cosines and reflectances; its logarithm is what a small
+    /// net fits well. The loss stays in radiance: neither targets nor noise pass a logarithm.
+    pub exponential: bool,
     /// Relative loss (see [`crate::problem::Loss`]); otherwise squared radiance.
     pub relative: bool,
     /// ε of the relative loss and error, as a share of the mean luminance.
@@ -133,6 +137,7 @@ impl Default for TrainConfig {
             size: Size::Hidden(vec![20, 10]),
             prune: None,
             divide_base: false,
+            exponential: false,
             relative: true,
             epsilon: 0.05,
             mean_luminance: None,

@@ -286,6 +286,7 @@ fn finish(cell: u32, prepared: Cell, ended: Ended) -> CellFit {
         output_scale: prepared.output.scale,
         output_offset: prepared.output.offset,
         divide_base: prepared.config.divide_base,
+        exponential: prepared.config.exponential,
     };
     CellFit {
         model,

@@ -10,6 +10,7 @@
 //! - [`problem`] makes a net and its relative loss such a problem;
 //! - [`rows`] holds the rows in memory, [`streamed`] reads them again at each pass;
 //! - [`halves`] tells errors without Monte Carlo noise;
+//! - [`quadratic`] says where a cell is best cut in two;
 //! - [`fit`] puts it together: [`fit::fit_cell`].
 //!
 //! One net runs on one thread; train cells in parallel.
@@ -36,6 +37,7 @@ pub mod prepare;
 pub mod problem;
 mod products;
 mod prune;
+pub mod quadratic;
 pub mod rows;
 mod search;
 pub mod simd;

@@ -1,7 +1,7 @@
 //! Our side of `tests/peers/training.py`: a net fitted to a problem that others fit too.
 //!
 //! ```text
-//! cargo run --release -p rrf-train --example race -- PROBLEM STEPS
+//! cargo run --release -p rrf-train --example race -- PROBLEM STEPS [accelerate]
 //! ```
 //!
 //! PROBLEM: little-endian, four i64 (rows trained on, rows kept back, inputs, weights), then f64:
@@ -50,9 +50,13 @@ impl Rows for Part<'_> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [path, steps] = args.as_slice() else {
-        return Err("usage: race PROBLEM STEPS".into());
+    let [path, steps, modes @ ..] = args.as_slice() else {
+        return Err("usage: race PROBLEM STEPS [accelerate]".into());
     };
+    let mut config = LmConfig::default();
+    if modes.iter().any(|mode| mode == "accelerate") {
+        config.acceleration = 0.75;
+    }
     let bytes = std::fs::read(path)?;
     let (words, _) = bytes.as_chunks::<8>();
     let [train, kept, inputs, weights, values @ ..] = words else {
@@ -82,17 +86,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         part(train, rows),
         w.to_vec(),
         steps.parse()?,
+        config,
     );
     Ok(())
 }
 
-fn race(train: Part, kept: Part, mut w: Vec<f64>, steps: usize) {
+fn race(train: Part, kept: Part, mut w: Vec<f64>, steps: usize, config: LmConfig) {
     let shape = Shape {
         sizes: vec![train.inputs, 20, 10, 3],
     };
     let (mut fit, mut judge) = (problem(&shape, train), problem(&shape, kept));
     println!("0 {} {}", fit.cost(&w), judge.cost(&w));
-    let mut lm = Levenberg::new(w.len(), LmConfig::default());
+    let mut lm = Levenberg::new(w.len(), config);
     let mut seconds = 0.0;
     for _ in 0..steps {
         let before = cpu_seconds();

@@ -1,0 +1,142 @@
+"""What the notebooks share: where things are, how tables and frames are read, and test limits."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+from statistics import NormalDist
+
+import numpy as np
+import OpenEXR
+import pyarrow.dataset as ds
+import pyarrow.ipc as ipc
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests/python"))
+
+import contract  # noqa: E402, F401 (the schemas, for the notebooks)
+import nets  # noqa: E402, F401 (the nets in numpy, for the notebooks)
+
+ORACLE = ROOT / "tests/data/oracle"
+SCENES = ROOT / "scenes"
+RGB = ("r", "g", "b")
+
+
+def demo() -> pathlib.Path:
+    """The folder that `make demo` leaves: run/, model.exr, traced.exr. RRF_DEMO names another."""
+    folder = pathlib.Path(os.environ.get("RRF_DEMO", ROOT / "out/demo"))
+    if not (folder / "run/run.json").is_file():
+        raise FileNotFoundError(f"{folder}: no run; `make demo` or `make notebooks` makes one")
+    return folder
+
+
+def program() -> pathlib.Path:
+    """The program, RRF or target/release/rrf."""
+    return pathlib.Path(os.environ.get("RRF", ROOT / "target/release/rrf"))
+
+
+def rrf(*arguments) -> str:
+    """Runs the program quietly; its standard output."""
+    command = [str(program()), *map(str, arguments), "--quiet"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError(f"{' '.join(command)}: exit code {done.returncode}\n{done.stderr}")
+    return done.stdout
+
+
+def read_arrow(path):
+    with ipc.open_file(path) as file:
+        return file.read_all()
+
+
+def samples(run, columns=None):
+    """All rows of a run, a pyarrow table in the order of cells."""
+    return ds.dataset(run / "samples", partitioning="hive").to_table(columns=columns)
+
+
+def stack(table, names) -> np.ndarray:
+    """Columns side by side as float64, shape [rows, len(names)]."""
+    return np.stack([table[name].to_numpy().astype(float) for name in names], 1)
+
+
+def with_material(table, run):
+    """A points table with the six material columns of the nearest sample.
+
+    Right for scenes whose materials differ by place and normal and have no textures."""
+    rows = samples(run)
+    names = contract_names()[12:18]
+    place = stack(rows, ("px", "py", "pz", "nx", "ny", "nz"))
+    wanted = stack(table, ("px", "py", "pz", "nx", "ny", "nz"))
+    known = {name: rows[name].to_numpy() for name in names}
+    nearest = np.array([np.abs(place - row).sum(1).argmin() for row in wanted])
+    texts = [f.name for f in table.schema if str(f.type) in ("string", "large_string")]
+    table = table.drop_columns(texts)
+    for name in names:
+        table = table.append_column(name, [known[name][nearest]])
+    return table
+
+
+def contract_names():
+    """The 18 raw columns in order."""
+    return [column["name"] for column in contract.load("samples")["column"]][2:20]
+
+
+def leaf(tree, rows) -> np.ndarray:
+    """The cell of every row: the walk that schemas/tree.toml describes. Shape [rows]."""
+    values = {name: rows[name].to_numpy() for name in contract_names()}
+    node = np.zeros(rows.num_rows, int)
+    axis_name, threshold = tree["axis_name"].to_pylist(), tree["threshold"].to_pylist()
+    left, cell = tree["left"].to_pylist(), np.array(tree["cell_id"].to_pylist(), object)
+    for at, name in enumerate(axis_name):  # children come after their parent
+        if name is not None:
+            here = node == at
+            node[here] = left[at] + (values[name][here] >= np.float32(threshold[at]))
+    return cell[node].astype(int)
+
+
+def read_exr(path) -> dict[str, np.ndarray]:
+    """Layers of a frame: "full", "direct", "indirect" of shape [h, w, 3] and others as they are."""
+    with OpenEXR.File(str(path), separate_channels=True) as file:
+        channels = {name: np.array(c.pixels) for name, c in file.channels().items()}
+    layers = {}
+    for name in channels:
+        head, _, last = name.rpartition(".")
+        if last == "R":
+            prefix = f"{head}." if head else ""
+            layers[head or "full"] = np.stack([channels[prefix + c] for c in "RGB"], -1).astype(float)
+        elif last not in ("G", "B"):
+            layers[name] = channels[name]
+    return layers
+
+
+def compare(a, b, layer="full") -> dict:
+    """`rrf compare --json` with its measures by name."""
+    out = json.loads(rrf("compare", a, b, "--layer", layer, "--json"))
+    return out | {m["name"]: m["value"] for m in out["measures"]}
+
+
+def shown(picture, stops) -> np.ndarray:
+    """Linear [0, 1] that a display emits: exposure, clip. What `rrf compare` judges."""
+    return np.clip(picture * 2.0**stops, 0, 1)
+
+
+def srgb(linear) -> np.ndarray:
+    """sRGB encoding (IEC 61966-2-1) of linear values in [0, 1]."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-12) ** (1 / 2.4) - 0.055)
+
+
+def z_limit(tests: int, significance: float = 1e-4) -> float:
+    """Two-sided normal limit for the largest of `tests` |z|, Sidak-corrected."""
+    each = 1 - (1 - significance) ** (1 / tests)
+    return NormalDist().inv_cdf(1 - each / 2)
+
+
+def relative_error(predicted, truth, truth_error) -> tuple[float, float]:
+    """sqrt(mean((p - m)^2 / max(lum(m), eps)^2)) and its standard error, the noise of the truth
+    taken out; eps is 5 % of the mean luminance, luminance the mean of r, g, b. Shapes [rows, 3]."""
+    luminance = truth.mean(1, keepdims=True)
+    scale = np.maximum(luminance, 0.05 * luminance.mean())
+    square = (((predicted - truth) ** 2 - truth_error**2) / scale**2).mean(1)
+    error = max(square.mean(), 0.0) ** 0.5
+    return error, square.std(ddof=1) / len(square) ** 0.5 / max(2 * error, 1e-9)

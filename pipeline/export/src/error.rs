@@ -1,0 +1,33 @@
+//! Why something could not be exported.
+
+use std::path::PathBuf;
+
+/// What went wrong and where.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// A file cannot be written.
+    #[error("{path}: cannot be written: {reason}", path = path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        reason: String,
+    },
+    /// A model whose parts contradict each other.
+    #[error("cell {cell}: {reason}; bake again")]
+    Model {
+        /// The cell.
+        cell: u32,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+impl ExportError {
+    pub(crate) fn write(path: &std::path::Path, reason: impl ToString) -> ExportError {
+        ExportError::Write {
+            path: path.to_path_buf(),
+            reason: reason.to_string(),
+        }
+    }
+}
