@@ -7,8 +7,9 @@ LIGHT_BOX = -0.6,1.3,-0.6,0.6,1.8,0.6
 LIGHT = 0.1,1.6,0.2,4,4,4
 RRF = $(or $(CARGO_TARGET_DIR),target)/release/rrf
 VENV = .venv
+ENGINES = .venv-engines
 
-.PHONY: demo test setup test-setup build python clean
+.PHONY: demo test setup test-setup build python engines clean
 
 setup:
 	@sh tests/setup.sh
@@ -30,18 +31,28 @@ demo: build
 	@echo "the same as EXR with the layers direct, indirect and cell beside them."
 
 # cargo test builds the program and the examples that the Python checks call
-test: test-setup python
+test: test-setup python engines
 	cargo fmt --all --check
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
 	cargo test --release --locked --workspace
 	RRF=$(abspath $(RRF)) RRF_EXAMPLES=$(abspath $(dir $(RRF))examples) \
 		$(VENV)/bin/python -m pytest -q tests/python
+	RRF=$(abspath $(RRF)) python3 tests/runs/workers.py
+	RRF=$(abspath $(RRF)) python3 tests/runs/kill.py --kills 10
+	RRF=$(abspath $(RRF)) $(ENGINES)/bin/python tests/engines/ray_cluster.py
 
 python: $(VENV)/installed
 
 $(VENV)/installed: tests/python/requirements.txt
 	python3 -m venv $(VENV)
 	$(VENV)/bin/python -m pip install --quiet --requirement tests/python/requirements.txt
+	@touch $@
+
+engines: $(ENGINES)/installed
+
+$(ENGINES)/installed: tests/engines/requirements.txt
+	python3 -m venv $(ENGINES)
+	$(ENGINES)/bin/python -m pip install --quiet --requirement tests/engines/requirements.txt
 	@touch $@
 
 # the README's picture of `rrf view`, by its own test
@@ -51,4 +62,4 @@ docs/view.png: build python $(VENV)/installed
 		$(VENV)/bin/python -m pytest -q tests/python/test_view.py -k screenshot
 
 clean:
-	rm -rf out $(VENV)
+	rm -rf out $(VENV) $(ENGINES)
