@@ -98,6 +98,8 @@ def wait_write(process, run, skip):
         seen.update(unfinished(run))
         if len(seen) > skip:
             return
+        # shorter than a file's writing and syncing, and most of a core left to the bake
+        time.sleep(0.0005)
 
 
 def unfinished(run):
