@@ -83,6 +83,9 @@ pub enum BakeError {
         /// Bytes allowed.
         memory: u64,
     },
+    /// The run's files could not be kept elsewhere.
+    #[error("{0}")]
+    Keep(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// Stopped between two tasks; everything done so far stays.
     #[error("stopped by {}; what is done stays: go on by `rrf bake --resume`", match why { Halt::Time => "the time limit before the first round was done", Halt::Interrupt => "a signal" })]
     Halted {
@@ -104,7 +107,7 @@ impl BakeError {
     pub fn is_bad_input(&self) -> bool {
         match self {
             BakeError::Store(error) => error.is_bad_input(),
-            BakeError::Halted { .. } | BakeError::Unfinished { .. } => false,
+            BakeError::Halted { .. } | BakeError::Unfinished { .. } | BakeError::Keep(_) => false,
             _ => true,
         }
     }

@@ -40,6 +40,6 @@ pub use rounds::{
     Ended, Standing, finish_round, first_plan, first_tasks, perform_stage, rounds, standing,
 };
 pub use run::{Judged, Run};
-pub use task::{Stage, Task, is_done, tasks};
+pub use task::{Stage, Task, files_of, is_done, tasks};
 pub use watch::{Halt, Watch};
 pub use work::{Site, perform};

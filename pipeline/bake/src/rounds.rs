@@ -114,6 +114,7 @@ pub fn perform_stage(
             return Err(BakeError::Halted { why });
         }
         perform(run, plan, site, task)?;
+        watch.keep().map_err(BakeError::Keep)?;
         watch.advance(weight(task));
         Ok(())
     });
@@ -158,6 +159,7 @@ pub struct Ended {
 /// Does rounds until one says stop or the watch does.
 pub fn rounds(run: &Run, site: &Site, watch: &dyn Watch) -> Result<Ended, BakeError> {
     let census = first_plan(run, site)?.census;
+    watch.keep().map_err(BakeError::Keep)?;
     loop {
         let Standing { judged, todo } = standing(run)?;
         let Some(plan) = todo else {
@@ -184,6 +186,7 @@ pub fn rounds(run: &Run, site: &Site, watch: &dyn Watch) -> Result<Ended, BakeEr
             (work, _) => work?,
         }
         let (judgement, _) = finish_round(run, &plan)?;
+        watch.keep().map_err(BakeError::Keep)?;
         watch.judged(plan.round, &judgement);
     }
 }

@@ -111,6 +111,25 @@ pub(crate) fn task_rows(run: &Run, plan: &RoundPlan) -> Result<Vec<TaskRow>, Bak
     Ok((0u32..).zip(tasks(run, plan)?).map(row).collect())
 }
 
+/// Beginnings of the names of the files that a task reads and writes, relative to the run: what a
+/// worker on another machine needs.
+pub fn files_of(plan: &RoundPlan, task: &Task) -> Vec<String> {
+    let id = task.cell;
+    let mut files = vec![format!("samples/cell={id:06}/")];
+    match task.stage {
+        Stage::Train => files.push(format!("rounds/{:03}/fits/cell={id:06}/", task.round)),
+        Stage::Extract => {
+            let cell = plan.cells.get(id as usize);
+            let parts = cell.into_iter().flat_map(|cell| &cell.parts);
+            let from = parts
+                .filter(|p| Some(p.part) == task.part)
+                .filter_map(|p| p.from);
+            files.extend(from.map(|[cell, _]| format!("samples/cell={cell:06}/")));
+        }
+    }
+    files
+}
+
 /// Whether a task's output is there.
 ///
 /// # Errors

@@ -22,6 +22,10 @@ pub trait Watch: Sync {
     fn end(&self);
     /// A round was committed.
     fn judged(&self, _round: u32, _judgement: &Judgement) {}
+    /// Files of the run have changed: keeps them where else they should be.
+    fn keep(&self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        Ok(())
+    }
     /// Bytes that the tasks in hand may need together; none for no bound.
     fn memory(&self) -> Option<u64> {
         None

@@ -1,6 +1,7 @@
 //! `rrf bake`, `rrf extract`, `rrf train`.
 
 use crate::args::{BakeArgs, BakeSettings, ExtractArgs, Method, TrainArgs, TrainMode};
+use crate::place::Place;
 use crate::progress::Bars;
 use crate::scene;
 use rrf_bake::{BakeConfig, BakeError, Judgement, Next, Preset, Run, Site, Stage};
@@ -15,8 +16,10 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
     let start = Instant::now();
     let scene = scene::load(&args.scene, &args.settings.scene_options)?;
     let config = config(&args.settings, &scene)?;
-    let watch = Bars::new(quiet, &args.bounds)?;
-    let ended = rrf_bake::bake(&scene, &config, &args.output, args.settings.resume, &watch)?;
+    let place = Place::open(&args.output, |_| true)?;
+    let folder = place.folder().to_path_buf();
+    let watch = Bars::new(quiet, &args.bounds)?.keeping(place);
+    let ended = rrf_bake::bake(&scene, &config, &folder, args.settings.resume, &watch)?;
     print_census(&ended.census);
     print_judgement(&ended.judgement, config.target);
     println!(
@@ -34,7 +37,13 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     let bake = &args.bake;
     let asked = &bake.settings;
     let scene = scene::load(&bake.scene, &asked.scene_options)?;
-    let run = Run::create(&bake.output, &scene, &config(asked, &scene)?, asked.resume)?;
+    let place = Place::open(&bake.output, |_| true)?;
+    let run = Run::create(
+        place.folder(),
+        &scene,
+        &config(asked, &scene)?,
+        asked.resume,
+    )?;
     let scene = scene.unlit();
     let tracer = Tracer::new(&scene)?;
     let site = Site::new(&scene, &tracer);
@@ -45,7 +54,7 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     if let Some(&cell) = args.cell.iter().find(|&&cell| cell > last) {
         return Err(BakeError::NoSuchCell { cell, last }.into());
     }
-    let watch = Bars::new(quiet, &bake.bounds)?;
+    let watch = Bars::new(quiet, &bake.bounds)?.keeping(place);
     rrf_bake::perform_stage(&run, &plan, Some(&site), Stage::Extract, only, &watch)?;
     print_census(&plan.census);
     println!(
@@ -58,7 +67,8 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
 
 /// Train, judge: the round that is extracted.
 pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
-    let mut run = Run::open(&args.run)?;
+    let place = Place::open(&args.run, |_| true)?;
+    let mut run = Run::open(place.folder())?;
     run.config.train.mode = mode(args);
     let standing = rrf_bake::standing(&run)?;
     let Some(plan) = standing.todo else {
@@ -70,9 +80,10 @@ pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
         print_judgement(&judged.judgement, run.config.target);
         return Ok(());
     };
-    let watch = Bars::new(quiet, &args.bounds)?;
+    let watch = Bars::new(quiet, &args.bounds)?.keeping(place);
     rrf_bake::perform_stage(&run, &plan, None, Stage::Train, None, &watch)?;
     let (judgement, next) = rrf_bake::finish_round(&run, &plan)?;
+    watch.push()?;
     print_judgement(&judgement, run.config.target);
     match next {
         Next::Stop(stop) => println!("stopped because {}", stop.text()),

@@ -1,5 +1,6 @@
 //! A run opened for looking at: its scene, its nets, and what a user should know.
 
+use crate::place::{self, Place};
 use glam::Vec3;
 use rrf_bake::Run;
 use rrf_extract::Lookout;
@@ -27,7 +28,8 @@ pub struct Baked {
 impl Baked {
     /// Reads the run, its scene and its model.
     pub fn open(folder: &Path) -> anyhow::Result<Baked> {
-        let run = Run::open(folder)?;
+        let place = Place::open(folder, place::model)?;
+        let run = Run::open(place.folder())?;
         let scene = run.load_scene()?;
         let model = model::read_model(&run.folder, &run.facts())?;
         let field = Field::new(model.tree.tree.clone(), model.cells)?;

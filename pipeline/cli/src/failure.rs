@@ -4,6 +4,7 @@ use rrf_bake::BakeError;
 use rrf_export::ExportError;
 use rrf_extract::ExtractError;
 use rrf_field::FieldError;
+use rrf_remote::RemoteError;
 use rrf_render::RenderError;
 use rrf_scene::SceneError;
 use rrf_store::StoreError;
@@ -39,6 +40,9 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
                 cause.downcast_ref::<ExportError>(),
                 Some(ExportError::Model { .. })
             )
+            || cause
+                .downcast_ref::<RemoteError>()
+                .is_some_and(RemoteError::is_bad_input)
             || cause
                 .downcast_ref::<RenderError>()
                 .is_some_and(RenderError::is_bad_input)

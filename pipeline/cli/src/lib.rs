@@ -14,6 +14,7 @@ mod export;
 mod failure;
 mod page;
 mod pictures;
+mod place;
 mod points;
 mod progress;
 mod query;

@@ -1,11 +1,14 @@
 //! Progress bars with time left, on a terminal only; time limit and signals.
 
 use crate::args::Bounds;
+use crate::place::Place;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rrf_bake::{Halt, Judgement, Stage, Watch};
+use rrf_remote::{Mirror, RemoteError};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::borrow::Cow;
+use std::error::Error;
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -18,6 +21,7 @@ pub struct Bars {
     deadline: Option<Instant>,
     memory: Option<u64>,
     interrupted: Arc<AtomicBool>,
+    mirror: Option<Mirror>,
 }
 
 impl Bars {
@@ -39,7 +43,21 @@ impl Bars {
                 .and_then(|d| Instant::now().checked_add(d)),
             memory: bounds.memory,
             interrupted,
+            mirror: None,
         })
+    }
+
+    /// Keeps an address up to date with the run's folder, task for task.
+    pub fn keeping(self, place: Place) -> Bars {
+        Bars {
+            mirror: place.into_mirror(),
+            ..self
+        }
+    }
+
+    /// Stores what changed, where the run has an address.
+    pub fn push(&self) -> Result<(), RemoteError> {
+        self.mirror.as_ref().map_or(Ok(()), Mirror::push)
     }
 
     fn with(&self, act: impl FnOnce(&mut ProgressBar)) {
@@ -75,6 +93,10 @@ impl Watch for Bars {
                 100.0 * judgement.relative_error_se
             );
         }
+    }
+
+    fn keep(&self) -> Result<(), Box<dyn Error + Send + Sync>> {
+        Ok(self.push()?)
     }
 
     fn memory(&self) -> Option<u64> {

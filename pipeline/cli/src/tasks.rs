@@ -3,8 +3,10 @@
 use crate::args::{CommitArgs, PlanArgs, TaskArgs};
 use crate::bake::{config, print_judgement};
 use crate::failure::BadInput;
+use crate::place::Place;
 use crate::scene;
 use rrf_bake::{BakeError, Next, RoundPlan, Run, Site, Stage, Task};
+use rrf_remote::is_url;
 use rrf_store::layout::task_table_path;
 use rrf_store::task_table::{TaskRow, read_tasks};
 use rrf_trace::Tracer;
@@ -12,17 +14,23 @@ use std::path::{Path, PathBuf};
 
 /// Plans the first round of a new run, or writes the table of the round at hand.
 pub fn plan(args: &PlanArgs) -> anyhow::Result<()> {
+    let place = Place::open(args.output.as_ref().unwrap_or(&args.input), |_| true)?;
     let run = match &args.output {
-        Some(output) => {
+        Some(_) => {
             let asked = &args.settings;
             let scene = scene::load(&args.input, &asked.scene_options)?;
-            let run = Run::create(output, &scene, &config(asked, &scene)?, asked.resume)?;
+            let run = Run::create(
+                place.folder(),
+                &scene,
+                &config(asked, &scene)?,
+                asked.resume,
+            )?;
             let scene = scene.unlit();
             let tracer = Tracer::new(&scene)?;
             rrf_bake::first_plan(&run, &Site::new(&scene, &tracer))?;
             run
         }
-        None => Run::open(&args.input)?,
+        None => Run::open(place.folder())?,
     };
     let Some(plan) = rrf_bake::standing(&run)?.todo else {
         match args.json {
@@ -36,6 +44,7 @@ pub fn plan(args: &PlanArgs) -> anyhow::Result<()> {
     run.write_plan(&plan)?;
     let path = task_table_path(&run.folder, plan.round);
     let all = read_tasks(&path, &run.facts())?;
+    place.push()?;
     let mut listed = Vec::new();
     for (row, task) in all.iter().zip(rrf_bake::tasks(&run, &plan)?) {
         if !(args.missing && rrf_bake::is_done(&run, &task)?) {
@@ -77,9 +86,18 @@ fn summary(plan: &RoundPlan, path: &Path, listed: &[&TaskRow]) -> serde_json::Va
 
 /// Does one task of a plan, or finds that it is done.
 pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
-    let run = Run::open(&run_of(&args.plan)?)?;
+    let (run_path, round) = run_and_round(&args.plan)?;
+    let tables = format!("rounds/{round:03}/");
+    let planned = |name: &str| {
+        name == "run.json"
+            || name
+                .strip_prefix(&tables)
+                .is_some_and(|file| !file.contains('/'))
+    };
+    let place = Place::open(&run_path, planned)?;
+    let run = Run::open(place.folder())?;
     let index = index(args)?;
-    let listed = read_tasks(&args.plan, &run.facts())?;
+    let listed = read_tasks(&task_table_path(&run.folder, round), &run.facts())?;
     let row = listed.get(index as usize).ok_or_else(|| {
         BadInput(format!(
             "{}: task {index}: the plan has tasks 0 to {}",
@@ -87,7 +105,6 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
             listed.len().saturating_sub(1)
         ))
     })?;
-    let round = round_of(&args.plan)?;
     let plan = run.read_plan(round)?.ok_or_else(|| BakeError::Plan {
         round,
         reason: "plan.json is missing".into(),
@@ -102,6 +119,8 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
                 args.plan.display()
             ))
         })?;
+    let needed = rrf_bake::files_of(&plan, &task);
+    place.pull(|name| needed.iter().any(|start| name.starts_with(start)))?;
     if rrf_bake::is_done(&run, &task)? {
         println!("{}: done already", describe(&task));
         return Ok(());
@@ -121,13 +140,15 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
             done => done?,
         },
     }
+    place.push()?;
     println!("{}: done", describe(&task));
     Ok(())
 }
 
 /// Makes the round's fits the model and plans the next round.
 pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
-    let run = Run::open(&args.run)?;
+    let place = Place::open(&args.run, |_| true)?;
+    let run = Run::open(place.folder())?;
     let standing = rrf_bake::standing(&run)?;
     let Some(plan) = standing.todo else {
         if !args.json {
@@ -138,6 +159,7 @@ pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
         return Ok(());
     };
     let (judgement, next) = rrf_bake::finish_round(&run, &plan)?;
+    place.push()?;
     let (ended, text) = match &next {
         Next::Stop(stop) => (true, stop.text().to_string()),
         Next::Round(next) => {
@@ -169,20 +191,22 @@ fn describe(task: &Task) -> String {
     }
 }
 
-/// The run folder of RUN/rounds/000/tasks.parquet.
-fn run_of(plan: &Path) -> Result<PathBuf, BadInput> {
-    let path = std::path::absolute(plan).unwrap_or_else(|_| plan.into());
-    let run = path.ancestors().nth(3).map(Path::to_path_buf);
-    run.filter(|run| run.join("run.json").exists())
-        .ok_or_else(|| not_a_plan(plan))
-}
-
-fn round_of(plan: &Path) -> Result<u32, BadInput> {
-    let path = std::path::absolute(plan).unwrap_or_else(|_| plan.into());
-    let name = path
-        .parent()
-        .and_then(|p| p.file_name()?.to_str()?.parse().ok());
-    name.ok_or_else(|| not_a_plan(plan))
+/// The run and the round of RUN/rounds/000/tasks.parquet.
+fn run_and_round(plan: &Path) -> Result<(PathBuf, u32), BadInput> {
+    let path = match is_url(plan) {
+        true => plan.into(),
+        false => std::path::absolute(plan).unwrap_or_else(|_| plan.into()),
+    };
+    let text = path.to_string_lossy();
+    let parts: Vec<&str> = text.rsplitn(4, '/').collect();
+    let [_, round, "rounds", run] = parts.as_slice() else {
+        return Err(not_a_plan(plan));
+    };
+    let here = is_url(plan) || Path::new(run).join("run.json").exists();
+    match (round.parse(), here) {
+        (Ok(round), true) => Ok((PathBuf::from(run), round)),
+        _ => Err(not_a_plan(plan)),
+    }
 }
 
 fn not_a_plan(plan: &Path) -> BadInput {

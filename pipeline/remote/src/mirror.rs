@@ -1,0 +1,233 @@
+//! A folder of this machine that is kept the same as a folder of a store.
+
+use crate::error::RemoteError;
+use crate::remote::Remote;
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
+
+/// Files that are replaced by later rounds; all others are written once.
+const CHANGING: [&str; 1] = ["model/"];
+/// What marks a round as planned, trained or committed comes after what it speaks of.
+const LAST: [&str; 3] = ["tasks.parquet", "plan.json", "judged.json"];
+
+/// A folder and the store's.
+#[derive(Debug)]
+pub struct Mirror {
+    folder: PathBuf,
+    remote: Remote,
+    /// Files known to be the same on both sides, but for those that change.
+    same: Mutex<BTreeSet<String>>,
+}
+
+impl Mirror {
+    /// Of the folder at `address`, in `folder`.
+    pub fn open(address: &str, folder: &Path) -> Result<Mirror, RemoteError> {
+        Ok(Mirror {
+            folder: folder.into(),
+            remote: Remote::open(address)?,
+            same: Mutex::new(BTreeSet::new()),
+        })
+    }
+
+    /// The folder of this machine.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Fetches what the store has and this machine does not, of the files that `wanted` names.
+    /// A file of this machine that the store does not have stays, and is stored by [`Mirror::push`].
+    pub fn pull(&self, wanted: impl Fn(&str) -> bool) -> Result<(), RemoteError> {
+        for name in self.remote.list()?.into_iter().filter(|name| wanted(name)) {
+            let path = self.folder.join(&name);
+            if !changes(&name) && path.exists() {
+                self.same().insert(name);
+                continue;
+            }
+            if let Some(bytes) = self.remote.get(&name)? {
+                write(&path, &bytes)?;
+                self.same().insert(name);
+            }
+        }
+        Ok(())
+    }
+
+    /// Stores what this machine has and the store does not, and removes there what was the same
+    /// on both sides and is gone here.
+    pub fn push(&self) -> Result<(), RemoteError> {
+        let mut same = self.same();
+        let mut names = Vec::new();
+        list(&self.folder, "", &mut names)?;
+        names.sort_by_key(|name| (order(name), name.clone()));
+        let here: BTreeSet<&String> = names.iter().collect();
+        for name in &names {
+            if same.contains(name) && !changes(name) {
+                continue;
+            }
+            let path = self.folder.join(name);
+            let bytes = match fs::read(&path) {
+                Ok(bytes) => bytes,
+                // another thread's temporary file, or a part that a commit has removed meanwhile
+                Err(error) if error.kind() == ErrorKind::NotFound => continue,
+                Err(source) => return Err(io(&path, "read", source)),
+            };
+            if changes(name) {
+                self.remote.put(name, bytes)?;
+            } else {
+                self.remote.put_new(name, bytes)?;
+            }
+            same.insert(name.clone());
+        }
+        let gone: Vec<String> = same
+            .iter()
+            .filter(|name| !here.contains(name))
+            .cloned()
+            .collect();
+        for name in gone {
+            self.remote.remove(&name)?;
+            same.remove(&name);
+        }
+        Ok(())
+    }
+
+    fn same(&self) -> MutexGuard<'_, BTreeSet<String>> {
+        // what a panicking thread left is still a set of names that were stored
+        self.same
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+}
+
+fn changes(name: &str) -> bool {
+    CHANGING.iter().any(|folder| name.starts_with(folder))
+}
+
+fn order(name: &str) -> usize {
+    let last = LAST.iter().position(|end| name.ends_with(end));
+    last.map_or(0, |place| place + 1)
+}
+
+/// Files below a folder, but for unfinished ones.
+fn list(root: &Path, folder: &str, names: &mut Vec<String>) -> Result<(), RemoteError> {
+    let path = root.join(folder);
+    let entries = match fs::read_dir(&path) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(source) => return Err(io(&path, "read", source)),
+    };
+    for entry in entries {
+        let entry = entry.map_err(|source| io(&path, "read", source))?;
+        let Ok(name) = entry.file_name().into_string() else {
+            continue;
+        };
+        let inner = match folder.is_empty() {
+            true => name.clone(),
+            false => format!("{folder}/{name}"),
+        };
+        if entry.path().is_dir() {
+            if inner != "staging" {
+                list(root, &inner, names)?;
+            }
+        } else if !name.ends_with(".tmp") {
+            names.push(inner);
+        }
+    }
+    Ok(())
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), RemoteError> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|source| io(folder, "create the folder", source))?;
+    }
+    let name = path
+        .file_name()
+        .and_then(|name| name.to_str())
+        .unwrap_or_default();
+    let staged = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
+    fs::write(&staged, bytes).map_err(|source| io(&staged, "write", source))?;
+    fs::rename(&staged, path).map_err(|source| io(path, "write", source))
+}
+
+fn io(path: &Path, action: &'static str, source: std::io::Error) -> RemoteError {
+    RemoteError::Io {
+        path: path.into(),
+        action,
+        source,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mirrors(base: &Path) -> [Mirror; 2] {
+        fs::create_dir(base.join("store")).unwrap();
+        let address = format!("file://{}/store", base.display());
+        ["a", "b"].map(|name| Mirror::open(&address, &base.join(name)).unwrap())
+    }
+
+    fn put(mirror: &Mirror, name: &str, text: &str) {
+        write(&mirror.folder().join(name), text.as_bytes()).unwrap();
+    }
+
+    fn text(mirror: &Mirror, name: &str) -> Option<String> {
+        fs::read_to_string(mirror.folder().join(name)).ok()
+    }
+
+    #[test]
+    fn what_one_machine_stores_another_fetches() {
+        let base = tempfile::tempdir().unwrap();
+        let [a, b] = mirrors(base.path());
+        put(&a, "run.json", "{}");
+        put(&a, "samples/cell=000000/part-00000.parquet", "rows");
+        put(&a, "model/weights.arrow", "first");
+        put(&a, "staging/x.0.tmp", "half");
+        put(&a, "rounds/000/.plan.json.0.tmp", "half");
+        a.push().unwrap();
+        b.pull(|_| true).unwrap();
+        assert_eq!(
+            text(&b, "samples/cell=000000/part-00000.parquet").unwrap(),
+            "rows"
+        );
+        assert_eq!(text(&b, "staging/x.0.tmp"), None);
+        assert_eq!(text(&b, "rounds/000/.plan.json.0.tmp"), None);
+        // the model is replaced, a part that a round has taken apart goes
+        put(&a, "model/weights.arrow", "second");
+        fs::remove_file(a.folder().join("samples/cell=000000/part-00000.parquet")).unwrap();
+        a.push().unwrap();
+        b.pull(|_| true).unwrap();
+        assert_eq!(text(&b, "model/weights.arrow").unwrap(), "second");
+        assert_eq!(
+            b.remote.list().unwrap(),
+            ["model/weights.arrow", "run.json"]
+        );
+    }
+
+    #[test]
+    fn of_two_writers_one_wins() {
+        let base = tempfile::tempdir().unwrap();
+        let [a, b] = mirrors(base.path());
+        for mirror in [&a, &b] {
+            put(mirror, "rounds/000/fits/cell=000000/weights.arrow", "same");
+        }
+        a.push().unwrap();
+        b.push().unwrap();
+        put(&a, "run.json", "one");
+        put(&b, "run.json", "two");
+        a.push().unwrap();
+        let error = b.push().unwrap_err();
+        assert!(matches!(error, RemoteError::Differs { .. }), "{error}");
+        assert_eq!(b.remote.get("run.json").unwrap().unwrap(), b"one");
+    }
+
+    #[test]
+    fn strange_addresses() {
+        for address in ["s4://bucket/run", "run", "s3:///"] {
+            assert!(Remote::open(address).is_err(), "{address}");
+        }
+        assert!(crate::is_url(Path::new("s3://bucket/run")));
+        assert!(!crate::is_url(Path::new("runs/s3")));
+    }
+}
