@@ -28,9 +28,9 @@ SOLIDS = [
 CORNELL = "scenes/cornell-box/scene.pbrt"
 GLOSSY = "scenes/cornell-glossy/cornell-glossy.glb"
 OVERHEAD, FREE = "-0.6,1.3,-0.6,0.6,1.8,0.6", "-0.8,0.2,-0.8,0.8,1.8,0.8"
-# one of the level's rooms, 5.6 x 4 x 12.8 m, its doors open
-ZDM2, HALL = "scenes/zdm2/zdm2.glb", "-24,8.4,7,-19.9,10.8,16"
-IN_HALL = [(-24.0, -19.9), (8.4, 10.8), (7.0, 16.0)]
+# one of the level's rooms, some 8 x 4.4 x 6.4 m
+ZDM2, HALL = "scenes/zdm2/zdm2.glb", "17.5,-3,-19.3,24,0.5,-14"
+IN_HALL = [(17.5, 24.0), (-3.0, 0.5), (-19.3, -14.0)]
 # scene file, light box, target, limit of the colour differences, where eyes and what they look
 # at are, table of the other renderer
 SCENES = {
@@ -59,6 +59,7 @@ def inside_solid(p):
 
 
 def place(rng, box):
+    """Uniform in a box, outside of the Cornell box's solids (which no other scene reaches)."""
     while True:
         p = [rng.uniform(*side) for side in box]
         if not inside_solid(p):

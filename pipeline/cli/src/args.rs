@@ -340,6 +340,16 @@ pub struct RenderArgs {
     /// View and lights.
     #[command(flatten)]
     pub view: ViewArgs,
+    /// Shadow rays of each camera ray, shared by all lights. By default point lights get one
+    /// each, and area lights 16 together.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub shadow_rays: Option<u32>,
+    /// How shadow rays choose among lights.
+    #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
+    pub light_sampling: LightSampling,
+    /// Seed of the shadow rays.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
     /// What becomes of pixels that the nets were not trained for.
     #[arg(long, value_enum, default_value_t = Fallback::None, conflicts_with_all = ["json_stats", "path"])]
     pub fallback: Fallback,
@@ -349,16 +359,6 @@ pub struct RenderArgs {
     /// Paint pixels that the nets were not trained for red, by the share of their samples.
     #[arg(long, conflicts_with_all = ["json_stats", "path"])]
     pub show_trust: bool,
-    /// Shadow rays of each camera ray, shared by all lights. By default point lights get one
-    /// each, and area lights 16 together.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    pub shadow_rays: Option<u32>,
-    /// How shadow rays choose among lights.
-    #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
-    pub light_sampling: LightSampling,
-    /// Seed of the shadow rays and of --fallback trace.
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
     /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output). Frames are
     /// then made without the layer of trust.
     #[arg(long, value_name = "FILE")]
