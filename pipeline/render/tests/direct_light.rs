@@ -98,6 +98,7 @@ fn field() -> Field {
         output_scale: [1.0; 3],
         output_offset: [0.0; 3],
         divide_base: false,
+        exponential: false,
     };
     Field::new(Tree::single(), vec![model]).unwrap()
 }
