@@ -9,6 +9,7 @@ mod bad_scene;
 mod bad_usage;
 mod batch;
 mod chain;
+mod frames;
 mod judge;
 mod program;
 mod same_bits;

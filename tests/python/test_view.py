@@ -407,5 +407,9 @@ def test_screenshot(viewer):
     page.click("#trace")
     goal = 16 if target else 2
     viewer.wait_paths(goal)
+    page.click("#trace")
+    for _ in range(40 if target else 1):
+        # the speed that the picture shows is that without tracing
+        viewer.change(lambda: page.evaluate("ask()"))
     shot = page.screenshot(path=target) if target else page.screenshot()
     assert len(shot) > 20_000

@@ -26,10 +26,19 @@ pub fn run(args: &RenderArgs, camera: &Path) -> anyhow::Result<()> {
     let shots = path::read(camera, args.view.size.unwrap_or(SIZE))?;
     let baked = Baked::open(&args.run)?;
     let lights = lights(args, &baked, &shots)?;
-    new_folder(folder)?;
     let first = lights.first().cloned().unwrap_or_default();
     let tracer = Tracer::new(baked.shown(&first))?;
     let lamps = baked.lamps(&first)?;
+    let mut told = Vec::new();
+    for (number, (shot, lights)) in shots.iter().zip(&lights).enumerate() {
+        let notices = baked.check(&tracer, &shot.view, lights, args.anyway);
+        let notices = notices.map_err(|error| {
+            BadInput(format!("{}: row {}: {error}", camera.display(), number + 1))
+        })?;
+        told.extend(notices.iter().map(|notice| (number, notice.to_string())));
+    }
+    warn(&told);
+    new_folder(folder)?;
     let options = RenderOptions {
         part: part(args.view.part),
         aa: args.view.aa,
@@ -41,11 +50,7 @@ pub fn run(args: &RenderArgs, camera: &Path) -> anyhow::Result<()> {
     let mut frame = Frame::default();
     let (mut clock, mut sheet) = (Clock::default(), Vec::new());
     let mut exposure = args.view.exposure.map(|ev| Exposure { ev });
-    let mut told = Vec::new();
     for (number, (shot, lights)) in shots.iter().zip(&lights).enumerate() {
-        for notice in baked.notices(&tracer, &shot.view, lights) {
-            told.push((number, notice.to_string()));
-        }
         clock.start();
         let stages = renderer.render(&shot.view, lights, &options, &mut frame)?;
         clock.stop(stages);
@@ -62,7 +67,6 @@ pub fn run(args: &RenderArgs, camera: &Path) -> anyhow::Result<()> {
         }
         sheet.push(png::thumbnail(&shown, THUMBNAIL));
     }
-    warn(&told);
     let columns = (sheet.len() as f64).sqrt().ceil() as u32;
     png::write(
         &folder.join("contact-sheet.png"),

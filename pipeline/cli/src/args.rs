@@ -347,6 +347,10 @@ pub struct RenderArgs {
     /// How shadow rays choose among lights.
     #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
     pub light_sampling: LightSampling,
+    /// Render also what is refused otherwise: an eye or a light inside a solid, a light on a
+    /// surface.
+    #[arg(long)]
+    pub anyway: bool,
     /// Seed of the shadow rays.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,

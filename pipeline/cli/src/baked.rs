@@ -1,12 +1,13 @@
 //! A run opened for looking at: its scene, its nets, and what a user should know.
 
+use crate::failure::BadInput;
 use crate::place::{self, Place};
 use glam::Vec3;
 use rrf_bake::Run;
 use rrf_extract::Lookout;
 use rrf_field::Field;
 use rrf_field::columns::Columns;
-use rrf_render::{Lamps, Lights, Notice, View, notices};
+use rrf_render::{Lamps, Lights, Notice, View, notices, on_surface};
 use rrf_scene::Scene;
 use rrf_store::model::{self, ModelTree};
 use rrf_trace::Tracer;
@@ -86,12 +87,27 @@ impl Baked {
         self.tree.trusted(rows)
     }
 
-    /// What a user should know of a view and its lights.
-    pub fn notices(&self, tracer: &Tracer, view: &View, lights: &Lights) -> Vec<Notice> {
+    /// What a user should know of a view and its lights is said; where the picture would show
+    /// nothing that was meant, it is refused, unless `anyway`.
+    pub fn check(
+        &self,
+        tracer: &Tracer,
+        view: &View,
+        lights: &Lights,
+        anyway: bool,
+    ) -> Result<Vec<Notice>, BadInput> {
         let lookout = Lookout::new(&self.unlit, tracer);
         let positions = lights.points.iter().map(|light| light.position);
-        notices(view.eye, positions, Some(self.light_box()), |p| {
-            lookout.inside_solid(p)
-        })
+        let notices = notices(
+            view.eye,
+            positions,
+            Some(self.light_box()),
+            |place| lookout.inside_solid(place),
+            |place| on_surface(tracer, place),
+        );
+        match notices.iter().find(|notice| notice.is_fatal()) {
+            Some(fatal) if !anyway => Err(BadInput(format!("{fatal} (--anyway renders it)"))),
+            _ => Ok(notices),
+        }
     }
 }

@@ -19,7 +19,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let lights = view::lights(&args.view, &baked.scene)?;
     let tracer = Tracer::new(baked.shown(&lights))?;
     let lamps = baked.lamps(&lights)?;
-    for notice in baked.notices(&tracer, &frame_view, &lights) {
+    for notice in baked.check(&tracer, &frame_view, &lights, args.anyway)? {
         eprintln!("warning: {notice}");
     }
     let trusted = |rows: &rrf_field::columns::Columns| baked.trusted(rows);

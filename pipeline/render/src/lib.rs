@@ -35,7 +35,7 @@ pub use compare::compare;
 pub use error::RenderError;
 pub use fallback::trace_untrusted;
 pub use frame::{Frame, Picture, luminance};
-pub use notice::{Notice, notices};
+pub use notice::{Notice, notices, on_surface};
 pub use render::{Negative, Part, RenderOptions, Renderer, Trusted, render};
 pub use sampled::ShadowRays;
 pub use stages::Stages;

@@ -1,6 +1,7 @@
 //! What a user should know of a view and its lights before a frame is believed.
 
 use glam::Vec3;
+use rrf_trace::Tracer;
 
 /// Something about a view and its lights that a user should know.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +13,13 @@ pub enum Notice {
     },
     /// A light is inside a solid and lights nothing outside.
     LightInSolid {
+        /// Its place in the list.
+        light: usize,
+        /// Its position.
+        position: Vec3,
+    },
+    /// A light is on a surface, which has no front for it.
+    LightOnSurface {
         /// Its place in the list.
         light: usize,
         /// Its position.
@@ -39,6 +47,11 @@ impl std::fmt::Display for Notice {
                 f,
                 "point light {light} at {position} is inside a solid: it lights nothing outside"
             ),
+            Notice::LightOnSurface { light, position } => write!(
+                f,
+                "point light {light} at {position} lies on a surface: move it off by a \
+                 thousandth of the scene's size"
+            ),
             Notice::LightOutsideBox {
                 light,
                 position,
@@ -52,20 +65,46 @@ impl std::fmt::Display for Notice {
     }
 }
 
+impl Notice {
+    /// Whether a picture would show nothing that was meant.
+    pub fn is_fatal(&self) -> bool {
+        !matches!(self, Notice::LightOutsideBox { .. })
+    }
+}
+
+/// A light nearer to a surface than this share of the scene's size is on it.
+const ON_SURFACE: f32 = 2e-5;
+
+/// Whether a place lies on a surface.
+pub fn on_surface(tracer: &Tracer, place: Vec3) -> bool {
+    let size = tracer.scene().bounds().map_or(0.0, |b| {
+        (Vec3::from(b.max) - Vec3::from(b.min)).max_element()
+    });
+    // of the triangles near by, `locate` prefers those that face along a given normal
+    let near = Vec3::AXES.map(|axis| tracer.locate(place, axis));
+    near.iter()
+        .flatten()
+        .any(|at| at.position.distance(place) <= ON_SURFACE * size)
+}
+
 /// What a user should know of a view and its lights. `inside_solid` answers whether a free
-/// place is inside a solid; `light_box` is the baked one, where nets are to be used.
+/// place is inside a solid, `on_surface` whether one is no free place; `light_box` is the baked
+/// one, where nets are to be used.
 pub fn notices(
     eye: Vec3,
     lights: impl Iterator<Item = Vec3>,
     light_box: Option<[Vec3; 2]>,
     inside_solid: impl Fn(Vec3) -> bool,
+    on_surface: impl Fn(Vec3) -> bool,
 ) -> Vec<Notice> {
     let mut notices = Vec::new();
     if inside_solid(eye) {
         notices.push(Notice::EyeInSolid { eye });
     }
     for (light, position) in lights.enumerate() {
-        if inside_solid(position) {
+        if on_surface(position) {
+            notices.push(Notice::LightOnSurface { light, position });
+        } else if inside_solid(position) {
             notices.push(Notice::LightInSolid { light, position });
         }
         let outside =
@@ -95,16 +134,21 @@ mod tests {
         ];
         let light_box = [Vec3::splat(-1.0), Vec3::ONE];
         let told = |eye: Vec3, light_box| {
-            let notices = notices(eye, places.into_iter(), light_box, solid);
+            let notices = notices(eye, places.into_iter(), light_box, solid, |p| p.y == 2.0);
             let lines = notices.iter().map(|n| n.to_string());
             lines.collect::<Vec<_>>()
         };
-        let lines = told(Vec3::new(20.0, 0.0, 0.0), Some(light_box));
-        assert_eq!(lines.len(), 4, "{lines:?}");
+        let mut lines = told(Vec3::new(20.0, 0.0, 0.0), Some(light_box));
+        assert_eq!(lines.len(), 5, "{lines:?}");
+        let on = lines.remove(1);
+        assert!(
+            on.starts_with("point light 1 at [0, 2, 0] lies on a surface"),
+            "{on}"
+        );
         assert!(lines[0].starts_with("the eye at [20, 0, 0] is inside a solid"));
         assert!(lines[1].starts_with("point light 1 at [0, 2, 0] is outside the baked light box"));
         assert!(lines[2].starts_with("point light 2 at [11, 0, 0] is inside a solid"));
         assert!(lines[3].starts_with("point light 2 at [11, 0, 0] is outside"));
-        assert_eq!(told(Vec3::ZERO, None).len(), 1);
+        assert_eq!(told(Vec3::ZERO, None).len(), 2);
     }
 }

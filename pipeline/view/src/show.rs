@@ -3,7 +3,7 @@
 use crate::ask::Ask;
 use glam::Vec3;
 use rrf_field::Field;
-use rrf_render::{Lights, Renderer, Trusted, View, notices};
+use rrf_render::{Lights, Renderer, Trusted, View, notices, on_surface};
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
 use serde_json::{Value, json};
@@ -64,6 +64,7 @@ impl<'a> Show<'a> {
             positions,
             Some(self.light_box),
             self.inside_solid,
+            |place| on_surface(self.tracer, place),
         );
         told.iter().map(ToString::to_string).collect()
     }
