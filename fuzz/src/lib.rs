@@ -124,3 +124,8 @@ fn folder() -> &'static Path {
         folder
     })
 }
+
+/// Removes the scratch folder.
+pub fn clean() {
+    let _ = std::fs::remove_dir_all(folder());
+}
