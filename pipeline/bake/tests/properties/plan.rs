@@ -7,7 +7,12 @@ use rrf_field::tree::Tree;
 use std::collections::BTreeSet;
 
 fn tree() -> impl Strategy<Value = Tree> {
-    let node = (-2..4i8, -1.0..1.0f32, 0..8u32, prop_oneof![0..5u32, Just(u32::MAX)]);
+    let node = (
+        -2..4i8,
+        -1.0..1.0f32,
+        0..8u32,
+        prop_oneof![0..5u32, Just(u32::MAX)],
+    );
     // grown by splits, or of any columns at all
     let any = prop::collection::vec(node, 0..7).prop_map(|nodes| Tree {
         axis: nodes.iter().map(|node| node.0).collect(),
@@ -28,7 +33,7 @@ fn tree() -> impl Strategy<Value = Tree> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+    #![proptest_config(ProptestConfig::with_cases(4))]
 
     #[test]
     fn a_plan_is_refused_or_has_its_tasks(
