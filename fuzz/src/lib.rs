@@ -33,7 +33,10 @@ pub fn part(bytes: &[u8]) {
 
 /// One table of the model, `tree`, `weights` or `metrics`.
 pub fn model(table: &str, bytes: &[u8]) {
-    write(&model_folder(folder()).join(format!("{table}.arrow")), bytes);
+    write(
+        &model_folder(folder()).join(format!("{table}.arrow")),
+        bytes,
+    );
     match table {
         "tree" => drop(model::read_tree(folder(), facts())),
         "weights" => {
@@ -123,4 +126,9 @@ fn folder() -> &'static Path {
         }
         folder
     })
+}
+
+/// Removes the scratch folder.
+pub fn clean() {
+    let _ = std::fs::remove_dir_all(folder());
 }

@@ -36,7 +36,7 @@ fn expected() -> &'static BTreeMap<String, Vec<u8>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(16))]
+    #![proptest_config(ProptestConfig::with_cases(4))]
 
     #[test]
     fn order_and_losses_leave_no_trace(

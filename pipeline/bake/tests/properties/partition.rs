@@ -78,7 +78,7 @@ fn split(plan: &RoundPlan, tables: &[SampleTable], picks: &[[usize; 3]]) -> Roun
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(8))]
 
     #[test]
     fn every_row_is_in_one_part(

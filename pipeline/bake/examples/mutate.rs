@@ -1,0 +1,126 @@
+//! Mutates whole files of `fuzz/seeds` and reads them, on a stock compiler: what can be had of
+//! fuzzing without coverage. The targets are those of `fuzz/`; see `docs/fuzzing.md`.
+//!
+//!     cargo run --release -p rrf-bake --example mutate -- part 60 1
+//!
+//! Arguments: target, seconds of this thread's CPU, seed. A panic or a crash leaves the input
+//! where the reader found it and ends the process.
+#![allow(clippy::expect_used, clippy::panic, missing_docs)]
+
+#[path = "../../../fuzz/src/lib.rs"]
+mod readers;
+
+use rrf_field::rng::{Stage, Stream, Walk};
+use std::path::Path;
+use std::time::Instant;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let [target, seconds, seed] = words.as_slice() else {
+        panic!("arguments: TARGET SECONDS SEED");
+    };
+    let read = reader(target);
+    let (seconds, seed): (f64, u64) = (
+        seconds.parse().expect("SECONDS"),
+        seed.parse().expect("SEED"),
+    );
+    let seeds = seeds(target);
+    let (mut inputs, mut slowest) = (0u64, 0.0f64);
+    while cpu_seconds() < seconds {
+        let mut dice = Stream::new(seed, Stage::Test, 0).walk(inputs);
+        let bytes = mutated(&seeds, &mut dice);
+        let start = Instant::now();
+        read(&bytes);
+        slowest = slowest.max(start.elapsed().as_secs_f64());
+        inputs += 1;
+    }
+    readers::clean();
+    println!(
+        "{target}: {inputs} inputs, {:.0} s CPU, slowest {slowest:.3} s, at most {} MiB resident",
+        cpu_seconds(),
+        peak_mib()
+    );
+}
+
+fn reader(target: &str) -> Box<dyn Fn(&[u8])> {
+    match target {
+        "pbrt" | "gltf" | "glb" | "obj" => {
+            let name = format!("scene.{target}");
+            Box::new(move |bytes| readers::scene(&name, bytes))
+        }
+        "tree" | "weights" | "metrics" => {
+            let table = target.to_string();
+            Box::new(move |bytes| readers::model(&table, bytes))
+        }
+        "part" => Box::new(readers::part),
+        "points" => Box::new(readers::points),
+        "tasks" => Box::new(readers::tasks),
+        "run_json" => Box::new(readers::run_json),
+        "plan_json" => Box::new(readers::plan_json),
+        other => panic!("no target {other}"),
+    }
+}
+
+fn seeds(target: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds")).join(target);
+    let mut paths: Vec<_> = std::fs::read_dir(folder)
+        .expect("seeds")
+        .map(|entry| entry.expect("a seed").path())
+        .collect();
+    paths.sort();
+    paths
+        .iter()
+        .map(|path| std::fs::read(path).expect("a seed"))
+        .collect()
+}
+
+/// Numbers at which lengths and offsets go wrong.
+const EDGES: [u32; 8] = [0, 1, 0x7f, 0xff, 0xffff, 0x7fff_ffff, 0x8000_0000, u32::MAX];
+
+/// A seed with 1 to 8 wounds.
+fn mutated(seeds: &[Vec<u8>], dice: &mut Walk) -> Vec<u8> {
+    let mut below = |n: usize| dice.next_u32() as usize % n.max(1);
+    let mut bytes = seeds[below(seeds.len())].clone();
+    for _ in 0..1 + below(8) {
+        let (at, n) = (below(bytes.len()), bytes.len());
+        let end = n.min(at + 1 + below(64));
+        match below(7) {
+            _ if n == 0 => bytes.push(below(256) as u8),
+            0 => bytes[at] ^= 1 << below(8),
+            1 => bytes[at] = below(256) as u8,
+            2 => {
+                let edge = EDGES[below(EDGES.len())].to_le_bytes();
+                bytes[at..n.min(at + 4)].copy_from_slice(&edge[..4.min(n - at)]);
+            }
+            3 => drop(bytes.drain(at..end)),
+            4 => {
+                let piece = bytes[at..end].to_vec();
+                let to = below(n);
+                bytes.splice(to..to, piece);
+            }
+            5 => {
+                let other = &seeds[below(seeds.len())];
+                let from = below(other.len());
+                let piece = &other[from..other.len().min(from + 1 + below(256))];
+                let over = n.min(at + piece.len());
+                bytes.splice(at..over, piece.iter().copied());
+            }
+            _ => bytes.truncate(at.max(n - n / 8)),
+        }
+    }
+    bytes
+}
+
+/// CPU time of this thread.
+fn cpu_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux");
+    let nanoseconds = text.split(' ').next().and_then(|x| x.parse::<f64>().ok());
+    nanoseconds.expect("schedstat") * 1e-9
+}
+
+fn peak_mib() -> u64 {
+    let text = std::fs::read_to_string("/proc/self/status").expect("Linux");
+    let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|line| line.trim().split(' ').next()?.parse::<u64>().ok());
+    kib.expect("VmHWM") >> 10
+}
