@@ -9,14 +9,20 @@ LIGHT = 0.1,1.6,0.2,4,4,4
 RRF = $(or $(CARGO_TARGET_DIR),target)/release/rrf
 VENV = .venv
 NOTEBOOKS = .venv-notebooks
+# the one crate with polars, which takes longer to build than all others together
+SLOW = rrf-report
 
-.PHONY: demo test setup build python notebooks clean
+.PHONY: demo test setup build report python notebooks clean
 
 setup:
 	@sh tests/setup.sh
 
 build: setup
 	cargo build --release --locked
+
+# what rrf inspect, chart, sweep and report start
+report: setup
+	cargo build --release --locked -p $(SLOW)
 
 demo: build
 	@rm -rf $(OUT)
@@ -31,8 +37,9 @@ demo: build
 # cargo test builds the program and the examples that the Python checks call
 test: setup python
 	cargo fmt --all --check
-	cargo clippy --release --locked --workspace --all-targets -- -D warnings
-	cargo test --release --locked --workspace
+	cargo clippy --release --locked --workspace --exclude $(SLOW) --all-targets -- -D warnings
+	cargo clippy --release --locked -p $(SLOW) --no-default-features --all-targets -- -D warnings
+	cargo test --release --locked --workspace --exclude $(SLOW)
 	RRF=$(abspath $(RRF)) RRF_EXAMPLES=$(abspath $(dir $(RRF))examples) \
 		$(VENV)/bin/python -m pytest -q tests/python
 
@@ -44,7 +51,7 @@ $(VENV)/installed: tests/python/requirements.txt
 	@touch $@
 
 # the small run that the notebooks look at, and all of them executed
-notebooks: build $(NOTEBOOKS)/installed
+notebooks: build report $(NOTEBOOKS)/installed
 	RRF=$(abspath $(RRF)) sh notebooks/demo.sh out/notebooks
 	RRF=$(abspath $(RRF)) RRF_DEMO=$(abspath out/notebooks) \
 		$(NOTEBOOKS)/bin/python -m pytest -q --nbmake --nbmake-timeout=400 notebooks

@@ -7,6 +7,7 @@ mod args;
 mod bake;
 mod compare;
 mod doctor;
+mod elsewhere;
 mod export;
 mod failure;
 mod pictures;
@@ -27,7 +28,7 @@ pub fn main() -> ExitCode {
     end_quietly_on_closed_pipe();
     let cli = Cli::parse();
     match run(&cli) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("rrf: {}", failure::message(&error));
             ExitCode::from(failure::exit_code(&error))
@@ -35,7 +36,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(cli: &Cli) -> anyhow::Result<()> {
+fn run(cli: &Cli) -> anyhow::Result<ExitCode> {
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads as usize)
@@ -52,7 +53,12 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Query(args) => query::run(args),
         Command::Scene(args) => scene::run(args),
         Command::Doctor(_) => doctor::run(),
-    }
+        Command::Inspect(args) => return elsewhere::run("inspect", args),
+        Command::Chart(args) => return elsewhere::run("chart", args),
+        Command::Sweep(args) => return elsewhere::run("sweep", args),
+        Command::Report(args) => return elsewhere::run("report", args),
+    }?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// `rrf compare ... | head` is no failure: like other Unix programs, stop when the reader has.

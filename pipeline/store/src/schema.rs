@@ -35,10 +35,12 @@ pub enum Table {
     Truth,
     /// Queries with the model's radiance.
     Answers,
+    /// Runs of a sweep.
+    Results,
 }
 
 /// Every table.
-pub const TABLES: [Table; 7] = [
+pub const TABLES: [Table; 8] = [
     Table::Samples,
     Table::Tree,
     Table::Weights,
@@ -46,6 +48,7 @@ pub const TABLES: [Table; 7] = [
     Table::Points,
     Table::Truth,
     Table::Answers,
+    Table::Results,
 ];
 
 impl Table {
@@ -59,6 +62,7 @@ impl Table {
             Table::Points => "points",
             Table::Truth => "truth",
             Table::Answers => "answers",
+            Table::Results => "results",
         }
     }
 
@@ -72,6 +76,7 @@ impl Table {
             Table::Points => include_str!("../../../schemas/points.toml"),
             Table::Truth => include_str!("../../../schemas/truth.toml"),
             Table::Answers => include_str!("../../../schemas/answers.toml"),
+            Table::Results => include_str!("../../../schemas/results.toml"),
         }
     }
 }
