@@ -9,8 +9,6 @@ LIGHT = 0.1,1.6,0.2,4,4,4
 RRF = $(or $(CARGO_TARGET_DIR),target)/release/rrf
 VENV = .venv
 NOTEBOOKS = .venv-notebooks
-# the one crate with polars, which takes longer to build than all others together
-SLOW = rrf-report
 
 .PHONY: demo test setup build report python notebooks clean
 
@@ -20,9 +18,9 @@ setup:
 build: setup
 	cargo build --release --locked
 
-# what rrf inspect, chart, sweep and report start
+# what rrf inspect, chart, sweep and report start; polars takes longer to build than all the rest
 report: setup
-	cargo build --release --locked -p $(SLOW)
+	cargo build --release --locked -p rrf-report --features inspect
 
 demo: build
 	@rm -rf $(OUT)
@@ -37,9 +35,8 @@ demo: build
 # cargo test builds the program and the examples that the Python checks call
 test: setup python
 	cargo fmt --all --check
-	cargo clippy --release --locked --workspace --exclude $(SLOW) --all-targets -- -D warnings
-	cargo clippy --release --locked -p $(SLOW) --no-default-features --all-targets -- -D warnings
-	cargo test --release --locked --workspace --exclude $(SLOW)
+	cargo clippy --release --locked --workspace --all-targets -- -D warnings
+	cargo test --release --locked --workspace
 	RRF=$(abspath $(RRF)) RRF_EXAMPLES=$(abspath $(dir $(RRF))examples) \
 		$(VENV)/bin/python -m pytest -q tests/python
 

@@ -83,7 +83,9 @@ where
         .y_desc(ERROR)
         .axis_desc_style(("sans-serif", 17))
         .label_style(("sans-serif", 14))
-        .light_line_style(RGBColor(240, 240, 240))
+        .x_labels(8)
+        .bold_line_style(RGBColor(215, 215, 215))
+        .light_line_style(TRANSPARENT)
         .x_label_formatter(&|x: &f64| tidy(*x))
         .y_label_formatter(&|y: &f64| tidy(*y))
         .draw()?;
@@ -119,13 +121,14 @@ where
     Ok(())
 }
 
-/// Axes with room around the points; a tenth of a decade at least.
+/// Axes of whole decades: a logarithmic axis of less has hardly a label.
 fn ranges(panel: &Panel) -> (std::ops::Range<f64>, std::ops::Range<f64>) {
     let range = |values: &mut dyn Iterator<Item = f64>| {
         let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(low, high), x| {
             (low.min(x), high.max(x))
         });
-        low / 1.3..high * 1.3
+        let decade = |x: f64| 10f64.powf(x);
+        decade((low / 1.1).log10().floor())..decade((high * 1.1).log10().ceil())
     };
     let points = &panel.points;
     (
