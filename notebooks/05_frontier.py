@@ -73,15 +73,16 @@ figure.tight_layout()
 
 # %% [markdown]
 # ## Path tracing's own slope
-# Noise falls with the square root of the paths: the slope of log error over log paths is -1/2. A
-# regression over all runs, ± 5 of its standard errors and 0.03 for the frames' heavy tails.
+# With independent paths noise falls with the square root of their number: the slope of log error over
+# log paths is -1/2. Stratified ones, as here, gain a little more; no unbiased tracer loses.
 
 # %%
 traced = runs.filter(pl.col("method") == "path tracing")
 x, y = np.log(traced["paths"].to_numpy().astype(float)), np.log(traced["frame_error"].to_numpy())
 (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
-print(f"slope {slope:.3f} ± {covariance[0, 0] ** 0.5:.3f}")
-assert abs(slope + 0.5) < 5 * covariance[0, 0] ** 0.5 + 0.03
+se = covariance[0, 0] ** 0.5
+print(f"slope {slope:.3f} ± {se:.3f}")
+assert -1 < slope < -0.5 + 5 * se
 
 # %% [markdown]
 # ## Can the stated error be believed?

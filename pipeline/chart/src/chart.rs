@@ -17,10 +17,13 @@ pub struct Panel {
 /// What the vertical axis of every panel says.
 pub const ERROR: &str = "relative error of the frame's indirect light [%]";
 
+/// A cost of a run; none where it has none.
+type Cost = fn(&Row) -> Option<f64>;
+
 /// The panels that the rows can fill: bake time, frame time, model size.
 pub fn panels(rows: &[Row]) -> Vec<Panel> {
     let error = |row: &Row| Some(100.0 * row.frame_error).filter(|e| *e > 0.0);
-    let costs: [(&str, fn(&Row) -> Option<f64>); 3] = [
+    let costs: [(&str, Cost); 3] = [
         ("bake time [s]", |row| row.bake_seconds),
         ("time of a frame [s]", |row| Some(row.frame_seconds)),
         ("model [bytes]", |row| row.model_bytes.map(|b| b as f64)),

@@ -45,10 +45,12 @@ pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
                 path: layout::samples_folder(&run.folder),
                 reason: e.to_string(),
             })?;
-        for row in 0..table.len() {
+        let [r, g, blues] = &answers;
+        for (row, ((&r, &g), &blue)) in r.iter().zip(g).zip(blues).enumerate() {
+            let p = [r, g, blue];
             let (y0, y1) = (table.halves[0][row], table.halves[1][row]);
             let square: f64 = (0..3)
-                .map(|c| f64::from(answers[c][row] - y0[c]) * f64::from(answers[c][row] - y1[c]))
+                .map(|c| f64::from(p[c] - y0[c]) * f64::from(p[c] - y1[c]))
                 .sum();
             let square = square / 3.0 / lum(table.mean(row)).max(floor).powi(2);
             let light = table.columns.vec3(columns::L, row);
