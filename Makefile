@@ -9,11 +9,15 @@ LIGHT = 0.1,1.6,0.2,4,4,4
 RRF = $(or $(CARGO_TARGET_DIR),target)/release/rrf
 VENV = .venv
 NOTEBOOKS = .venv-notebooks
+ENGINES = .venv-engines
 
-.PHONY: demo test setup build report python notebooks clean
+.PHONY: demo test setup test-setup build report python notebooks engines clean
 
 setup:
 	@sh tests/setup.sh
+
+test-setup:
+	@sh tests/setup.sh test
 
 build: setup
 	cargo build --release --locked
@@ -33,12 +37,15 @@ demo: build
 	@echo "the same as EXR with the layers direct, indirect and cell beside them."
 
 # cargo test builds the program and the examples that the Python checks call
-test: setup python
+test: test-setup python engines
 	cargo fmt --all --check
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
 	cargo test --release --locked --workspace
 	RRF=$(abspath $(RRF)) RRF_EXAMPLES=$(abspath $(dir $(RRF))examples) \
 		$(VENV)/bin/python -m pytest -q tests/python
+	RRF=$(abspath $(RRF)) python3 tests/runs/workers.py
+	RRF=$(abspath $(RRF)) python3 tests/runs/kill.py --kills 10
+	RRF=$(abspath $(RRF)) $(ENGINES)/bin/python tests/engines/ray_cluster.py
 
 python: $(VENV)/installed
 
@@ -46,6 +53,19 @@ $(VENV)/installed: tests/python/requirements.txt
 	python3 -m venv $(VENV)
 	$(VENV)/bin/python -m pip install --quiet --requirement tests/python/requirements.txt
 	@touch $@
+
+engines: $(ENGINES)/installed
+
+$(ENGINES)/installed: tests/engines/requirements.txt
+	python3 -m venv $(ENGINES)
+	$(ENGINES)/bin/python -m pip install --quiet --requirement tests/engines/requirements.txt
+	@touch $@
+
+# the README's picture of `rrf view`, by its own test
+docs/view.png: build python $(VENV)/installed
+	test -d $(OUT)/run || $(MAKE) demo
+	RRF=$(abspath $(RRF)) RRF_RUN=$(OUT)/run RRF_SCREENSHOT=$@ \
+		$(VENV)/bin/python -m pytest -q tests/python/test_view.py -k screenshot
 
 # the small run that the notebooks look at, and all of them executed
 notebooks: build report $(NOTEBOOKS)/installed
@@ -58,4 +78,4 @@ $(NOTEBOOKS)/installed: notebooks/requirements.txt notebooks/setup.sh
 	@touch $@
 
 clean:
-	rm -rf out $(VENV) $(NOTEBOOKS)
+	rm -rf out $(VENV) $(NOTEBOOKS) $(ENGINES)

@@ -57,6 +57,7 @@ def evaluate(net, rows):
         w, flat = flat[: units * (fan_in + 1)].reshape(units, -1), flat[units * (fan_in + 1) :]
         h = w[:, 0] + h @ w[:, 1:].T
         h = np.tanh(h) if k + 2 < len(layers) else h
+    h = np.exp(np.minimum(h, 12)) if net["exponential"] else h
     y = h * net["output_scale"] + net["output_offset"]
     return y * rt.stack(rows, ("base_r", "base_g", "base_b")) if net["divide_base"] else y
 
@@ -99,6 +100,7 @@ for k in np.unique(cell):
     for i in range(layers):
         h = h @ get(f"layer.{i}.weight").T.astype(float) + get(f"layer.{i}.bias")
         h = np.tanh(h) if i + 1 < layers else h
+    h = np.exp(np.minimum(h, 12)) if get("exponential")[0] else h
     y = h * get("output_scale") + get("output_offset")
     outside[cell == k] = y * x[cell == k][:, 12:15] if get("divide_base")[0] else y
 assert np.allclose(outside, mine, rtol=1e-12, atol=1e-12 * scale.max())

@@ -10,7 +10,10 @@ for tool in cargo python3 cc; do
 done
 
 missing=""
-for package in libopenblas-dev pkg-config; do
+# `setup.sh test` also wants the browser in which the page of `rrf view` is tested
+browser=""
+[ "${1:-}" = test ] && ! command -v chromium >/dev/null 2>&1 && browser=chromium
+for package in libopenblas-dev pkg-config $browser; do
     if ! dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed'; then
         missing="$missing $package"
     fi

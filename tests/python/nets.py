@@ -30,6 +30,7 @@ def evaluate(net, rows):
         layer, w = w[: b * (a + 1)].reshape(b, a + 1), w[b * (a + 1) :]
         h = layer[:, 0] + h @ layer[:, 1:].T
         h = np.tanh(h) if k + 2 < len(layers) else h
+    h = np.exp(np.minimum(h, 12)) if net["exponential"] else h
     y = h * net["output_scale"] + net["output_offset"]
     base = np.stack([known["base_" + c] for c in "rgb"], 1)
     return y * base if net["divide_base"] else y

@@ -36,7 +36,7 @@ def baked(tmp_path_factory):
     """The Cornell box in three nets."""
     run = tmp_path_factory.mktemp("rrf") / "run"
     box = "-0.6,1.3,-0.6,0.6,1.8,0.6"
-    sizes = ["--cells", CELLS, "--rows", ROWS, "--paths", 8]
+    sizes = ["--cells", CELLS, "--rows", ROWS, "--paths", 8, "--rounds", 1]
     rrf("bake", SCENE, "-o", run, "--light-box", box, *sizes)
     return run
 
@@ -130,8 +130,9 @@ def test_samples_mean_what_the_contract_says(baked):
 
 def test_numpy_evaluates_the_model(baked, answers):
     """tree.arrow and weights.arrow, walked and evaluated as their schemas say, give what
-    `rrf query` gives: within 1e-5 of a net's output scale everywhere, and within 1e-5 of the
-    value itself in all but the darkest rows, where float32's rounding of the sum shows."""
+    `rrf query` gives: within 1e-5 of a net's output scale or, where that is larger, of the value
+    itself (exponential outputs turn a rounding of the sum into a relative one) everywhere, and
+    within 1e-5 of the value in all but the darkest rows, where float32's rounding of the sum shows."""
     tree = read_arrow(baked / "model/tree.arrow").to_pylist()
     weights = read_arrow(baked / "model/weights.arrow").to_pylist()
     rows = with_material(answers, baked)
@@ -147,7 +148,7 @@ def test_numpy_evaluates_the_model(baked, answers):
     sealed = (found == 0).all(axis=1)
     assert sealed.mean() < 0.02
     error = np.abs(mine - found)[~sealed]
-    assert (error / scale[~sealed]).max() < 1e-5
+    assert (error / np.maximum(scale, found)[~sealed]).max() < 1e-5
     brightest = found[~sealed].max(axis=1, keepdims=True)
     assert ((error / brightest).max(axis=1) < 1e-5).mean() > 0.99
 

@@ -28,6 +28,10 @@ pub struct BakeConfig {
     pub default_albedo: f32,
     /// Unit of glTF light intensities.
     pub light_units: LightUnits,
+    /// Rounds at the most.
+    pub rounds: u32,
+    /// Cells at the most, after all rounds.
+    pub most_cells: u32,
     /// Plan and extraction.
     pub extract: ExtractConfig,
     /// Training.
@@ -37,16 +41,18 @@ pub struct BakeConfig {
 impl BakeConfig {
     /// A preset's settings.
     pub fn preset(preset: Preset, light_box: LightBox, seed: u64) -> BakeConfig {
-        let (cells, rows, paths) = match preset {
-            Preset::Preview => (16, 40_000, 32),
-            Preset::Standard => (32, 240_000, 64),
-            Preset::Fine => (128, 2_000_000, 128),
+        let (cells, rows, paths, rounds, most_cells) = match preset {
+            Preset::Preview => (16, 40_000, 64, 1, 16),
+            Preset::Standard => (48, 300_000, 256, 8, 300),
+            Preset::Fine => (128, 1_000_000, 256, 12, 4096),
         };
         BakeConfig {
             preset,
             target: 0.05,
             default_albedo: 0.7,
             light_units: LightUnits::Spec,
+            rounds,
+            most_cells,
             extract: ExtractConfig {
                 light_box,
                 seed,
@@ -59,6 +65,7 @@ impl BakeConfig {
             },
             train: TrainConfig {
                 seed,
+                exponential: true,
                 ..TrainConfig::default()
             },
         }

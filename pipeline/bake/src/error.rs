@@ -1,5 +1,6 @@
 //! Why a bake stopped.
 
+use crate::watch::Halt;
 use rrf_extract::ExtractError;
 use rrf_scene::SceneError;
 use rrf_store::StoreError;
@@ -51,6 +52,43 @@ pub enum BakeError {
         /// The last one that exists.
         last: u32,
     },
+    /// A plan that does not hold together.
+    #[error("round {round}: {reason}. Bake into a new folder")]
+    Plan {
+        /// The round.
+        round: u32,
+        /// What is wrong.
+        reason: String,
+    },
+    /// An extraction needs the scene.
+    #[error("a part has to be drawn, and no scene was loaded")]
+    NoSite,
+    /// A round cannot be committed yet.
+    #[error("{path}: {missing} tasks of round {round} are not done. Go on by `rrf bake --resume`", path = path.display())]
+    Unfinished {
+        /// The run folder.
+        path: PathBuf,
+        /// The round.
+        round: u32,
+        /// Tasks that are not done.
+        missing: usize,
+    },
+    /// A task does not fit into memory.
+    #[error(
+        "a task needs about {needed} bytes of memory, --memory is {memory}: allow more, or bake with more cells of fewer rows"
+    )]
+    Memory {
+        /// Bytes that the largest task needs.
+        needed: u64,
+        /// Bytes allowed.
+        memory: u64,
+    },
+    /// Stopped between two tasks; everything done so far stays.
+    #[error("stopped by {}; what is done stays: go on by `rrf bake --resume`", match why { Halt::Time => "the time limit before the first round was done", Halt::Interrupt => "a signal" })]
+    Halted {
+        /// Why.
+        why: Halt,
+    },
     /// The run has no samples yet.
     #[error("{path}: cell {cell} has no samples. Run `rrf extract` or `rrf bake --resume` first", path = path.display())]
     NotExtracted {
@@ -66,6 +104,7 @@ impl BakeError {
     pub fn is_bad_input(&self) -> bool {
         match self {
             BakeError::Store(error) => error.is_bad_input(),
+            BakeError::Halted { .. } | BakeError::Unfinished { .. } => false,
             _ => true,
         }
     }

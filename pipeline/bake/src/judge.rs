@@ -1,13 +1,11 @@
 //! How good a run is: the model's own error on rows held out, Monte Carlo noise taken out.
 
-use crate::error::BakeError;
-use crate::run::Run;
-use rrf_extract::Plan;
-use rrf_store::model::{self, CellMetrics};
-use serde::Serialize;
+use crate::plan::RoundPlan;
+use rrf_store::model::Fit;
+use serde::{Deserialize, Serialize};
 
 /// Error of one cell.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellJudgement {
     /// The cell.
     pub cell: u32,
@@ -17,10 +15,22 @@ pub struct CellJudgement {
     pub square_error: f64,
     /// Standard error of that.
     pub square_error_se: f64,
+    /// The same over its training rows: what the net cannot follow. 0 where it was not told.
+    pub train_square_error: f64,
+    /// Relative standard error of its rows' targets.
+    pub noise: f64,
+    /// Rows trained on.
+    pub train_rows: u64,
+    /// γ of its net.
+    pub effective_parameters: f64,
+    /// Its rows.
+    pub rows: u64,
+    /// Weights of its net.
+    pub weights: u32,
 }
 
 /// Error of the whole: sqrt(mean((p−m)² / max(lum(m), ε)²)), ε = 5 % of the mean luminance.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judgement {
     /// Relative error of the whole, 0 where the square came out negative.
     pub relative_error: f64,
@@ -30,22 +40,27 @@ pub struct Judgement {
     pub cells: Vec<CellJudgement>,
 }
 
-/// Reads the run's metrics and weighs the cells by their measure.
-pub fn judge(run: &Run, plan: &Plan) -> Result<Judgement, BakeError> {
-    let metrics = model::read_metrics(&run.folder, &run.facts())?;
-    Ok(whole(plan, &metrics))
-}
-
-fn whole(plan: &Plan, metrics: &[CellMetrics]) -> Judgement {
-    let cells: Vec<CellJudgement> = metrics
+/// Weighs the cells by their measure.
+pub(crate) fn judge(plan: &RoundPlan, fits: &[Fit]) -> Judgement {
+    let cells: Vec<CellJudgement> = fits
         .iter()
-        .filter_map(|m| {
-            let cell = plan.cells.get(m.cell_id as usize)?;
+        .filter_map(|fit| {
+            let cell = plan.cells.get(fit.model.cell as usize)?;
+            let error = fit.metrics.validation?;
             Some(CellJudgement {
-                cell: m.cell_id,
+                cell: cell.cell,
                 measure: cell.measure,
-                square_error: m.validation?.mean,
-                square_error_se: m.validation?.se,
+                square_error: error.mean,
+                square_error_se: error.se,
+                train_square_error: fit.metrics.train.map_or(0.0, |e| e.mean),
+                noise: fit.metrics.noise.unwrap_or(0.0),
+                train_rows: fit.metrics.train_rows,
+                effective_parameters: fit
+                    .metrics
+                    .effective_parameters
+                    .unwrap_or(f64::from(fit.metrics.weights)),
+                rows: fit.metrics.rows,
+                weights: fit.metrics.weights,
             })
         })
         .collect();

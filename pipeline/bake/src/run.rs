@@ -1,16 +1,36 @@
 //! The run folder: what it belongs to, and where its files lie.
 
+use crate::commit::places;
 use crate::config::BakeConfig;
+use crate::decide::Stop;
 use crate::error::BakeError;
-use rrf_extract::{ExtractError, Plan};
+use crate::judge::Judgement;
+use crate::plan::RoundPlan;
+use crate::task::task_rows;
+use rrf_extract::ExtractError;
 use rrf_scene::Scene;
 use rrf_store::StoreError;
-use rrf_store::atomic::atomic_write;
+use rrf_store::atomic::{atomic_write, create_folder};
+use rrf_store::layout::{model_folder, round_folder, task_table_path};
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
+use rrf_store::parts::remove_part;
+use rrf_store::task_table::write_tasks;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+
+/// How a round was judged and whether it was the last.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Judged {
+    /// The round.
+    pub round: u32,
+    /// Its errors.
+    pub judgement: Judgement,
+    /// Why no further round is made; none where one is.
+    pub stop: Option<Stop>,
+}
 
 /// An open run folder.
 #[derive(Clone, Debug)]
@@ -58,6 +78,46 @@ impl Run {
         })
     }
 
+    /// A run of these settings that is in no folder.
+    pub(crate) fn unwritten(scene: &Scene, config: &BakeConfig) -> Result<Run, BakeError> {
+        Ok(Run {
+            folder: PathBuf::new(),
+            manifest: manifest(scene, config)?,
+            config: config.clone(),
+        })
+    }
+
+    /// Makes a folder ready to be resumed with these settings: where it was begun with others,
+    /// what depends on the difference goes and the rest stays. Another scene, seed, program or
+    /// setting of the extraction leaves nothing; other settings leave the first round's samples
+    /// and all fits, which tasks of the same inputs find done. A folder without a run is left
+    /// alone.
+    pub fn renew(folder: &Path, scene: &Scene, config: &BakeConfig) -> Result<(), BakeError> {
+        if !RunManifest::path(folder).exists() {
+            return Ok(());
+        }
+        let found = RunManifest::read(folder)?;
+        let asked = manifest(scene, config)?;
+        if found == asked {
+            return Ok(());
+        }
+        let same = found.facts() == asked.facts()
+            && found.config.get("extract") == asked.config.get("extract")
+            && found.created_by == asked.created_by;
+        let gone: &[&str] = if same {
+            &["model"]
+        } else {
+            &["model", "samples", "rounds"]
+        };
+        for name in gone {
+            remove_folder(&folder.join(name))?;
+        }
+        if same {
+            retire_plans(folder)?;
+        }
+        Ok(asked.write(folder)?)
+    }
+
     /// Opens a run that exists.
     pub fn open(folder: &Path) -> Result<Run, BakeError> {
         let manifest = RunManifest::read(folder)?;
@@ -85,47 +145,44 @@ impl Run {
         Ok(scene)
     }
 
-    /// `plan.json`, or none where the plan has not been made.
-    pub fn read_plan(&self) -> Result<Option<Plan>, BakeError> {
-        let path = self.plan_path();
-        let text = match std::fs::read(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(source) => {
-                return Err(StoreError::Io {
-                    path,
-                    action: "read",
-                    source,
-                }
-                .into());
-            }
-        };
-        let plan: Plan =
-            serde_json::from_slice(&text).map_err(|error| corrupt(&path, error.to_string()))?;
-        plan.check().map_err(|reason| corrupt(&path, reason))?;
-        Ok(Some(plan))
+    /// The plan of a round, or none where it has not been made.
+    pub fn read_plan(&self, round: u32) -> Result<Option<RoundPlan>, BakeError> {
+        let path = self.round_file(round, "plan.json");
+        let plan: Option<RoundPlan> = read_json(&path)?;
+        if let Some(plan) = &plan {
+            plan.check().map_err(|reason| corrupt(&path, reason))?;
+        }
+        Ok(plan)
     }
 
-    /// The plan of a run that has been extracted.
-    pub fn plan(&self) -> Result<Plan, BakeError> {
-        let missing = || BakeError::NotExtracted {
-            path: self.folder.clone(),
-            cell: 0,
-        };
-        self.read_plan()?.ok_or_else(missing)
+    /// Writes a round's tasks, then its plan: a round that has a plan is whole.
+    pub fn write_plan(&self, plan: &RoundPlan) -> Result<(), BakeError> {
+        let path = task_table_path(&self.folder, plan.round);
+        create_folder(&round_folder(&self.folder, plan.round))?;
+        write_tasks(&path, &task_rows(self, plan)?, &self.facts())?;
+        write_json(&self.round_file(plan.round, "plan.json"), plan)
     }
 
-    /// Writes `plan.json`.
-    pub fn write_plan(&self, plan: &Plan) -> Result<(), BakeError> {
-        let path = self.plan_path();
-        let mut text =
-            serde_json::to_vec(plan).map_err(|error| corrupt(&path, error.to_string()))?;
-        text.push(b'\n');
-        Ok(atomic_write(&path, &text)?)
+    /// How a round was judged, or none where it has not been committed.
+    pub fn read_judged(&self, round: u32) -> Result<Option<Judged>, BakeError> {
+        read_json(&self.round_file(round, "judged.json"))
     }
 
-    fn plan_path(&self) -> PathBuf {
-        self.folder.join("plan.json")
+    /// Marks a round as committed.
+    pub fn write_judged(&self, judged: &Judged) -> Result<(), BakeError> {
+        write_json(&self.round_file(judged.round, "judged.json"), judged)
+    }
+
+    /// Whether all tables of a model are there.
+    pub fn has_model(&self) -> bool {
+        let folder = model_folder(&self.folder);
+        ["tree", "weights", "metrics"]
+            .iter()
+            .all(|table| folder.join(format!("{table}.arrow")).exists())
+    }
+
+    fn round_file(&self, round: u32, name: &str) -> PathBuf {
+        round_folder(&self.folder, round).join(name)
     }
 
     /// What every table of the run has to agree with.
@@ -155,6 +212,71 @@ impl Run {
         }
         Ok(())
     }
+}
+
+/// Removes every round's plan and judgement, and the samples that the first round does not have:
+/// the plans are made anew, and what they ask for again is found done.
+fn retire_plans(folder: &Path) -> Result<(), BakeError> {
+    let mut first = None;
+    for round in 0.. {
+        let path = round_folder(folder, round).join("plan.json");
+        let Some(plan) = read_json::<RoundPlan>(&path)? else {
+            return Ok(());
+        };
+        let first = first.get_or_insert_with(|| places(&plan).collect::<BTreeSet<_>>());
+        for [cell, part] in places(&plan).filter(|place| !first.contains(place)) {
+            remove_part(folder, cell, part)?;
+        }
+        for name in ["judged.json", "tasks.parquet", "plan.json"] {
+            remove_file(&round_folder(folder, round).join(name))?;
+        }
+    }
+    Ok(())
+}
+
+fn remove_file(path: &Path) -> Result<(), StoreError> {
+    removed(path, std::fs::remove_file(path))
+}
+
+fn remove_folder(path: &Path) -> Result<(), StoreError> {
+    removed(path, std::fs::remove_dir_all(path))
+}
+
+fn removed(path: &Path, result: std::io::Result<()>) -> Result<(), StoreError> {
+    match result {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(StoreError::Io {
+            path: path.into(),
+            action: "remove",
+            source,
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Option<T>, BakeError> {
+    let text = match std::fs::read(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(source) => {
+            return Err(StoreError::Io {
+                path: path.into(),
+                action: "read",
+                source,
+            }
+            .into());
+        }
+    };
+    let value = serde_json::from_slice(&text).map_err(|error| corrupt(path, error.to_string()))?;
+    Ok(Some(value))
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BakeError> {
+    let mut text = serde_json::to_vec(value).map_err(|error| corrupt(path, error.to_string()))?;
+    text.push(b'\n');
+    if let Some(folder) = path.parent() {
+        create_folder(folder)?;
+    }
+    Ok(atomic_write(path, &text)?)
 }
 
 /// The settings that differ, `extract.rows 2000, extract.paths 4`, on both sides.

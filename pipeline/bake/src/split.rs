@@ -1,11 +1,9 @@
 //! Which rows are held out: 30 %, by a hash of the row (Beale et al.: 70 % train, 30 % validate).
 
-/// Whether row `index` of a cell is held out of training. Depends on the arguments alone, so
-/// that a row stays on its side when a cell is extracted again or grows.
-pub fn is_held_out(seed: u64, cell: u32, index: u64) -> bool {
-    let mut z = seed
-        ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15)
-        ^ u64::from(cell).wrapping_mul(0xd6e8_feb8_6659_fd93);
+/// Whether the row of this index in the run is held out of training. Depends on the arguments
+/// alone, so that a row stays on its side when its cell is extracted again, split or grown.
+pub fn is_held_out(seed: u64, index: u64) -> bool {
+    let mut z = seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     // compares a uniform 64-bit number with 0.3 of its range
@@ -23,7 +21,7 @@ mod tests {
         const N: u64 = 160_000;
         let mut held = [0u64; 16];
         (0..N)
-            .filter(|&i| is_held_out(1, 5, i))
+            .filter(|&i| is_held_out(1, (5 << 32) + i))
             .for_each(|i| held[(i % 16) as usize] += 1);
         let per_class = N as f64 / 16.0;
         let variance = per_class * 0.3 * 0.7;

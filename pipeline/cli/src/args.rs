@@ -27,6 +27,14 @@ pub enum Command {
     Extract(ExtractArgs),
     /// The last stages of a bake alone: train, judge.
     Train(TrainArgs),
+    /// Bake everything that a file lists; again: only what changed.
+    Run(RunArgs),
+    /// Tasks of a bake's next round as a table, for schedulers.
+    Plan(PlanArgs),
+    /// Do one task of a plan; done ones are skipped.
+    Task(TaskArgs),
+    /// Check that a round's tasks are done, make their fits the model, plan the next round.
+    Commit(CommitArgs),
     /// Render a frame by the baked nets (plus exact direct light).
     Render(RenderArgs),
     /// Render a frame, or points, by path tracing: the ground truth.
@@ -47,6 +55,8 @@ pub enum Command {
     Report(Elsewhere),
     /// Print what was understood of a scene file.
     Scene(SceneArgs),
+    /// Look through a baked scene in a browser: move, drag lights, compare with the truth.
+    View(PageArgs),
     /// Check what this machine offers and whether the program works on it.
     Doctor(DoctorArgs),
 }
@@ -81,6 +91,28 @@ pub struct BakeArgs {
     /// The run folder to make.
     #[arg(short, long, value_name = "RUN")]
     pub output: PathBuf,
+    /// How long and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
+    /// Settings.
+    #[command(flatten)]
+    pub settings: BakeSettings,
+}
+
+/// What a bake may take; what it makes does not depend on it, but for how many rounds.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Bounds {
+    /// Begin no more work after this many seconds; the model of the last whole round stands.
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub time_limit: Option<f32>,
+    /// Memory that the work in hand may need: fewer tasks side by side.
+    #[arg(long, value_name = "BYTES|2GiB", value_parser = parse_bytes)]
+    pub memory: Option<u64>,
+}
+
+/// What a bake is asked for.
+#[derive(Args, Clone, Debug)]
+pub struct BakeSettings {
     /// Where lights may stand; by default the middle 80 % of the scene's bounds.
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = parse_box, allow_hyphen_values = true)]
     pub light_box: Option<[f32; 6]>,
@@ -93,9 +125,9 @@ pub struct BakeArgs {
     /// How much work.
     #[arg(long, value_enum, default_value_t = Preset::Standard)]
     pub preset: Preset,
-    /// Stop starting new work after this many seconds.
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
-    pub time_limit: Option<f32>,
+    /// What each cell is fitted by: nets, or a baseline to compare them with.
+    #[arg(long, value_enum, default_value_t = Method::Nets)]
+    pub method: Method,
     /// Go on with a run that was cut off; what is done stays.
     #[arg(long)]
     pub resume: bool,
@@ -105,12 +137,31 @@ pub struct BakeArgs {
     /// Paths a row, instead of the preset's.
     #[arg(long, value_name = "N")]
     pub paths: Option<u32>,
-    /// Cells at the most, instead of the preset's.
+    /// Cells of the first round at the most, instead of the preset's.
     #[arg(long, value_name = "N")]
     pub cells: Option<u32>,
+    /// Rounds at the most, instead of the preset's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub rounds: Option<u32>,
+    /// Cells of all rounds at the most, instead of the preset's.
+    #[arg(long, value_name = "N")]
+    pub most_cells: Option<u32>,
     /// Reading the scene.
     #[command(flatten)]
     pub scene_options: SceneOptions,
+}
+
+/// What each cell is fitted by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Nets with exponential outputs.
+    Nets,
+    /// Nets whose outputs are radiance itself, as Ren et al. 2013 have them.
+    LinearOutputs,
+    /// Linear regression on the same inputs.
+    LinearRegression,
+    /// One net for the whole scene.
+    GlobalNet,
 }
 
 /// How much work a bake does.
@@ -140,6 +191,83 @@ pub struct ExtractArgs {
 pub struct TrainArgs {
     /// The run folder, extracted.
     pub run: PathBuf,
+    /// Which rows a step of the trainer sees.
+    #[arg(long, value_enum, default_value_t = TrainMode::Local)]
+    pub mode: TrainMode,
+    /// Rows a batch, with `--mode online` and `--mode recursive`.
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..))]
+    pub batch: u32,
+    /// How long and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
+}
+
+/// Which rows a step of the trainer sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TrainMode {
+    /// All rows of the cell.
+    Local,
+    /// Batch after batch, each on its own: forgets; to compare with.
+    Online,
+    /// Batch after batch, keeping what the earlier ones taught.
+    Recursive,
+}
+
+/// `rrf run`.
+#[derive(Args, Clone, Debug)]
+pub struct RunArgs {
+    /// The list, TOML (see docs/batch.md).
+    pub batch: PathBuf,
+    /// Check everything and print what it would take; nothing is written.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// How long all of it and how large.
+    #[command(flatten)]
+    pub bounds: Bounds,
+}
+
+/// `rrf plan`.
+#[derive(Args, Clone, Debug)]
+pub struct PlanArgs {
+    /// A run folder; or, with --output, a scene file.
+    #[arg(value_name = "RUN|SCENE")]
+    pub input: PathBuf,
+    /// The run folder to make for a scene.
+    #[arg(short, long, value_name = "RUN")]
+    pub output: Option<PathBuf>,
+    /// Print the ids of the tasks that are not done.
+    #[arg(long)]
+    pub missing: bool,
+    /// Print the tasks as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Settings of a new run.
+    #[command(flatten)]
+    pub settings: BakeSettings,
+}
+
+/// `rrf task`.
+#[derive(Args, Clone, Debug)]
+pub struct TaskArgs {
+    /// The plan, RUN/rounds/000/tasks.parquet.
+    #[arg(long, value_name = "P")]
+    pub plan: PathBuf,
+    /// Which task; by default SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
+    #[arg(long, value_name = "N")]
+    pub index: Option<u32>,
+    /// Added to the index of a scheduler, for plans larger than its arrays may be.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub offset: u32,
+}
+
+/// `rrf commit`.
+#[derive(Args, Clone, Debug)]
+pub struct CommitArgs {
+    /// The run folder.
+    pub run: PathBuf,
+    /// Print what came out as JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// A view; what is not given comes from the scene's first camera.
@@ -154,6 +282,9 @@ pub struct ViewArgs {
     /// Up direction.
     #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub up: Option<[f32; 3]>,
+    /// Turn image left and right around, as left-handed scenes' own cameras do.
+    #[arg(long, requires = "eye")]
+    pub mirror: bool,
     /// Full angle of the shorter image side [degrees].
     #[arg(long, value_name = "DEG", value_parser = positive)]
     pub fov: Option<f32>,
@@ -163,6 +294,9 @@ pub struct ViewArgs {
     /// A point light: position and radiant intensity [W/sr] (again for more).
     #[arg(long, value_name = "x,y,z[,r,g,b]", value_parser = parse_light, allow_hyphen_values = true)]
     pub light: Vec<[f32; 6]>,
+    /// The scene's own lights shine beside those of --light.
+    #[arg(long)]
+    pub scene_lights: bool,
     /// Which part of the light the picture shows.
     #[arg(long, value_enum, default_value_t = Part::Full)]
     pub part: Part,
@@ -185,15 +319,93 @@ pub enum Part {
     Indirect,
 }
 
+/// What becomes of pixels that the nets were not trained for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Fallback {
+    /// The nets are believed.
+    None,
+    /// They are path-traced.
+    Trace,
+}
+
 /// `rrf render`.
 #[derive(Args, Clone, Debug)]
 pub struct RenderArgs {
     /// The run folder, baked.
     pub run: PathBuf,
-    /// Picture to write (.exr with layers, .png tone-mapped); again for more.
+    /// Picture to write (.exr with layers, .png tone-mapped); again for more. With --path the
+    /// new folder for frames.
     #[arg(short, long, value_name = "F", required = true)]
     pub output: Vec<PathBuf>,
+    /// A frame for each row of a table with the columns eye_x eye_y eye_z target_x target_y
+    /// target_z fov, optionally up_x up_y up_z and light0_x light0_y light0_z [light0_r light0_g
+    /// light0_b], light1_x ...
+    #[arg(long, value_name = "CAMERA.csv", conflicts_with_all = ["eye", "look_at", "up", "fov", "frames", "mirror"])]
+    pub path: Option<PathBuf>,
+    /// Formats of the frames of --path.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [FrameFormat::Exr, FrameFormat::Png])]
+    pub formats: Vec<FrameFormat>,
     /// View and lights.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// What becomes of pixels that the nets were not trained for.
+    #[arg(long, value_enum, default_value_t = Fallback::None, conflicts_with_all = ["json_stats", "path"])]
+    pub fallback: Fallback,
+    /// Paths a pixel and light of --fallback trace.
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..))]
+    pub fallback_spp: u32,
+    /// Paint pixels that the nets were not trained for red, by the share of their samples.
+    #[arg(long, conflicts_with_all = ["json_stats", "path"])]
+    pub show_trust: bool,
+    /// Shadow rays of each camera ray, shared by all lights. By default point lights get one
+    /// each, and area lights 16 together.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub shadow_rays: Option<u32>,
+    /// How shadow rays choose among lights.
+    #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
+    pub light_sampling: LightSampling,
+    /// Seed of the shadow rays and of --fallback trace.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output). Frames are
+    /// then made without the layer of trust.
+    #[arg(long, value_name = "FILE")]
+    pub json_stats: Option<PathBuf>,
+    /// Render the frame N times, for --json-stats in steady state.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "json_stats", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: u32,
+}
+
+/// How shadow rays choose among lights; both are unbiased.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LightSampling {
+    /// By what earlier rays of the pixel and its neighbours found (Donikian et al. 2006).
+    Adaptive,
+    /// All alike.
+    Uniform,
+}
+
+/// A format of frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FrameFormat {
+    /// OpenEXR, linear, with every layer.
+    Exr,
+    /// 8-bit sRGB, tone-mapped.
+    Png,
+}
+
+/// `rrf view`.
+#[derive(Args, Clone, Debug)]
+pub struct PageArgs {
+    /// The run folder, baked.
+    pub run: PathBuf,
+    /// Port on 127.0.0.1; 0 for a free one.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub port: u16,
+    /// Open the page in the desktop's browser; otherwise its URL is printed, and that is all.
+    #[arg(long)]
+    pub open: bool,
+    /// Where the page starts.
     #[command(flatten)]
     pub view: ViewArgs,
 }
@@ -407,5 +619,28 @@ fn unit_interval(text: &str) -> Result<f32, String> {
         Ok(x)
     } else {
         Err("has to be from 0 to 1".into())
+    }
+}
+
+/// `1500000`, `512MiB`, `2GB`.
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.');
+    let (number, unit) = text.split_at(digits.unwrap_or(text.len()));
+    let number: f64 = number.parse().map_err(|_| format!("{text}: no size"))?;
+    let scale: f64 = match unit.trim() {
+        "" | "B" => 1.0,
+        "kB" => 1e3,
+        "MB" => 1e6,
+        "GB" => 1e9,
+        "KiB" => 1024.0,
+        "MiB" => 1048576.0,
+        "GiB" => 1073741824.0,
+        _ => return Err(format!("{unit}: units are B, kB, MB, GB, KiB, MiB, GiB")),
+    };
+    let bytes = number * scale;
+    if (1.0..1e18).contains(&bytes) {
+        Ok(bytes as u64)
+    } else {
+        Err(format!("{text}: not a size of memory"))
     }
 }

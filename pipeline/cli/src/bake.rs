@@ -1,25 +1,29 @@
 //! `rrf bake`, `rrf extract`, `rrf train`.
 
-use crate::args::{BakeArgs, ExtractArgs, TrainArgs};
+use crate::args::{BakeArgs, BakeSettings, ExtractArgs, Method, TrainArgs, TrainMode};
 use crate::progress::Bars;
 use crate::scene;
-use rrf_bake::{BakeConfig, Judgement, Preset, Run};
+use rrf_bake::{BakeConfig, BakeError, Judgement, Next, Preset, Run, Site, Stage};
 use rrf_extract::{Census, ExtractError, LightBox};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
+use rrf_train::Size;
+use std::time::Instant;
 
 /// The whole chain.
 pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
-    let scene = scene::load(&args.scene, &args.scene_options)?;
-    let config = config(args, &scene)?;
-    let watch = Bars::new(quiet);
-    let report = rrf_bake::bake(&scene, &config, &args.output, args.resume, &watch)?;
-    print_census(&report.census);
-    print_judgement(&report.judgement, config.target);
+    let start = Instant::now();
+    let scene = scene::load(&args.scene, &args.settings.scene_options)?;
+    let config = config(&args.settings, &scene)?;
+    let watch = Bars::new(quiet, &args.bounds)?;
+    let ended = rrf_bake::bake(&scene, &config, &args.output, args.settings.resume, &watch)?;
+    print_census(&ended.census);
+    print_judgement(&ended.judgement, config.target);
     println!(
-        "extracted in {:.1} s, trained in {:.1} s: {}",
-        report.extracting.as_secs_f64(),
-        report.training.as_secs_f64(),
+        "{} rounds in {:.1} s, stopped because {}: {}",
+        ended.rounds,
+        start.elapsed().as_secs_f64(),
+        ended.stop.text(),
         args.output.display()
     );
     Ok(())
@@ -28,13 +32,21 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
 /// Load, plan, extract.
 pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     let bake = &args.bake;
-    let scene = scene::load(&bake.scene, &bake.scene_options)?;
-    let run = Run::create(&bake.output, &scene, &config(bake, &scene)?, bake.resume)?;
+    let asked = &bake.settings;
+    let scene = scene::load(&bake.scene, &asked.scene_options)?;
+    let run = Run::create(&bake.output, &scene, &config(asked, &scene)?, asked.resume)?;
     let scene = scene.unlit();
     let tracer = Tracer::new(&scene)?;
-    let plan = rrf_bake::plan(&run, &scene, &tracer)?;
+    let site = Site::new(&scene, &tracer);
+    let first = rrf_bake::first_plan(&run, &site)?;
+    let plan = rrf_bake::standing(&run)?.todo.unwrap_or(first);
     let only = (!args.cell.is_empty()).then_some(args.cell.as_slice());
-    rrf_bake::extract(&run, &scene, &tracer, &plan, only, &Bars::new(quiet))?;
+    let last = plan.cells.len().saturating_sub(1) as u32;
+    if let Some(&cell) = args.cell.iter().find(|&&cell| cell > last) {
+        return Err(BakeError::NoSuchCell { cell, last }.into());
+    }
+    let watch = Bars::new(quiet, &bake.bounds)?;
+    rrf_bake::perform_stage(&run, &plan, Some(&site), Stage::Extract, only, &watch)?;
     print_census(&plan.census);
     println!(
         "{} cells planned: {}",
@@ -44,16 +56,61 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Train, judge.
+/// Train, judge: the round that is extracted.
 pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
-    let run = Run::open(&args.run)?;
-    let plan = run.plan()?;
-    rrf_bake::train(&run, &plan, &Bars::new(quiet))?;
-    print_judgement(&rrf_bake::judge(&run, &plan)?, run.config.target);
+    let mut run = Run::open(&args.run)?;
+    run.config.train.mode = mode(args);
+    let standing = rrf_bake::standing(&run)?;
+    let Some(plan) = standing.todo else {
+        let judged = standing.judged.ok_or_else(|| BakeError::NotExtracted {
+            path: args.run.clone(),
+            cell: 0,
+        })?;
+        println!("all rounds are trained");
+        print_judgement(&judged.judgement, run.config.target);
+        return Ok(());
+    };
+    let watch = Bars::new(quiet, &args.bounds)?;
+    rrf_bake::perform_stage(&run, &plan, None, Stage::Train, None, &watch)?;
+    let (judgement, next) = rrf_bake::finish_round(&run, &plan)?;
+    print_judgement(&judgement, run.config.target);
+    match next {
+        Next::Stop(stop) => println!("stopped because {}", stop.text()),
+        Next::Round(next) => println!(
+            "round {} is planned, {} cells: go on by `rrf bake --resume`",
+            next.round,
+            next.cells.len()
+        ),
+    }
     Ok(())
 }
 
-fn config(args: &BakeArgs, scene: &Scene) -> Result<BakeConfig, ExtractError> {
+/// Steps on a batch: enough for its minimum, where the batch alone decides, a few where it only
+/// corrects what the earlier ones taught.
+const BATCH_STEPS: [usize; 2] = [10, 3];
+
+fn mode(args: &TrainArgs) -> rrf_train::Mode {
+    let batches = |steps| rrf_train::Batches {
+        rows: args.batch as usize,
+        steps,
+        epochs: 1,
+    };
+    let [online, recursive] = BATCH_STEPS;
+    match args.mode {
+        TrainMode::Local => rrf_train::Mode::Local,
+        TrainMode::Online => rrf_train::Mode::Online(batches(online)),
+        TrainMode::Recursive => rrf_train::Mode::Recursive {
+            batches: batches(recursive),
+            forgetting: 1.0,
+        },
+    }
+}
+
+/// Hidden units of the net that stands for the whole scene.
+const GLOBAL_NET: [usize; 2] = [32, 16];
+
+/// The settings that the arguments mean.
+pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractError> {
     let light_box = match args.light_box {
         Some([x0, y0, z0, x1, y1, z1]) => LightBox {
             minimum: [x0, y0, z0],
@@ -74,6 +131,25 @@ fn config(args: &BakeArgs, scene: &Scene) -> Result<BakeConfig, ExtractError> {
     config.extract.rows = args.rows.unwrap_or(config.extract.rows);
     config.extract.paths = args.paths.unwrap_or(config.extract.paths);
     config.extract.cells = args.cells.unwrap_or(config.extract.cells);
+    config.rounds = args.rounds.unwrap_or(config.rounds);
+    config.most_cells = args
+        .most_cells
+        .unwrap_or(config.most_cells.max(config.extract.cells));
+    match args.method {
+        Method::Nets => {}
+        Method::LinearOutputs => config.train.exponential = false,
+        Method::LinearRegression => {
+            config.train.exponential = false;
+            config.train.size = Size::Hidden(Vec::new());
+            // a later round would give cells larger nets
+            config.rounds = 1;
+        }
+        Method::GlobalNet => {
+            (config.extract.cells, config.most_cells) = (1, 1);
+            config.train.size = Size::Hidden(GLOBAL_NET.to_vec());
+            config.rounds = 1;
+        }
+    }
     Ok(config)
 }
 
@@ -104,7 +180,8 @@ fn print_census(census: &Census) {
     );
 }
 
-fn print_judgement(judgement: &Judgement, target: f32) {
+/// The error of the whole, with its definition.
+pub fn print_judgement(judgement: &Judgement, target: f32) {
     let square = f64::from(target).powi(2);
     let missing = judgement
         .cells

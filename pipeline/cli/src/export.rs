@@ -40,6 +40,8 @@ fn mitsuba(args: &ExportArgs, scene: &Scene, folder: &Path) -> anyhow::Result<()
         eye: args.eye,
         look_at: args.look_at,
         up: args.up,
+        mirror: false,
+        scene_lights: false,
         fov: args.fov,
         size: args.size,
         light: args.light.clone(),

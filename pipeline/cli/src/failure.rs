@@ -8,6 +8,7 @@ use rrf_render::RenderError;
 use rrf_scene::SceneError;
 use rrf_store::StoreError;
 use rrf_trace::TraceError;
+use rrf_view::ViewError;
 
 /// Bad input found by the command line itself.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +34,7 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
             || cause.is::<TraceError>()
             || cause.is::<ExtractError>()
             || cause.is::<FieldError>()
+            || matches!(cause.downcast_ref(), Some(ViewError::Bind { .. }))
             || matches!(
                 cause.downcast_ref::<ExportError>(),
                 Some(ExportError::Model { .. })

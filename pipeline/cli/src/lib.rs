@@ -3,19 +3,25 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod animate;
 mod args;
 mod bake;
+mod baked;
+mod batch;
 mod compare;
 mod doctor;
 mod elsewhere;
 mod export;
 mod failure;
+mod page;
 mod pictures;
 mod points;
 mod progress;
 mod query;
 mod render;
 mod scene;
+mod stats;
+mod tasks;
 mod trace;
 mod view;
 
@@ -46,12 +52,17 @@ fn run(cli: &Cli) -> anyhow::Result<ExitCode> {
         Command::Bake(args) => bake::bake(args, cli.quiet),
         Command::Extract(args) => bake::extract(args, cli.quiet),
         Command::Train(args) => bake::train(args, cli.quiet),
+        Command::Run(args) => batch::run(args, cli.quiet),
+        Command::Plan(args) => tasks::plan(args),
+        Command::Task(args) => tasks::task(args),
+        Command::Commit(args) => tasks::commit(args),
         Command::Render(args) => render::run(args),
         Command::Export(args) => export::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Trace(args) => trace::run(args, cli.quiet),
         Command::Query(args) => query::run(args),
         Command::Scene(args) => scene::run(args),
+        Command::View(args) => page::run(args),
         Command::Doctor(_) => doctor::run(),
         Command::Inspect(args) => return elsewhere::run("inspect", args),
         Command::Chart(args) => return elsewhere::run("chart", args),

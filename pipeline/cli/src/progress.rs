@@ -1,23 +1,45 @@
-//! Progress bars with time left, on a terminal only.
+//! Progress bars with time left, on a terminal only; time limit and signals.
 
+use crate::args::Bounds;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use rrf_bake::Watch;
-use std::io::IsTerminal;
-use std::sync::Mutex;
+use rrf_bake::{Halt, Judgement, Stage, Watch};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::borrow::Cow;
+use std::io::{self, IsTerminal};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
-/// One bar after another, as the stages of a bake begin and end.
+/// One bar after another, as the stages of a bake begin and end; and when to stop.
 pub struct Bars {
     quiet: bool,
     current: Mutex<ProgressBar>,
+    deadline: Option<Instant>,
+    memory: Option<u64>,
+    interrupted: Arc<AtomicBool>,
 }
 
 impl Bars {
-    /// No bar yet.
-    pub fn new(quiet: bool) -> Bars {
-        Bars {
+    /// No bar yet. From now on the first SIGINT or SIGTERM stops the bake after the tasks at
+    /// hand, the second at once.
+    pub fn new(quiet: bool, bounds: &Bounds) -> io::Result<Bars> {
+        let interrupted = Arc::new(AtomicBool::new(false));
+        for signal in [SIGINT, SIGTERM] {
+            flag::register_conditional_default(signal, interrupted.clone())?;
+            flag::register(signal, interrupted.clone())?;
+        }
+        let limit = bounds.time_limit.map(Duration::try_from_secs_f32);
+        Ok(Bars {
             quiet,
             current: Mutex::new(ProgressBar::hidden()),
-        }
+            // a limit beyond the clock's range is none
+            deadline: limit
+                .and_then(Result::ok)
+                .and_then(|d| Instant::now().checked_add(d)),
+            memory: bounds.memory,
+            interrupted,
+        })
     }
 
     fn with(&self, act: impl FnOnce(&mut ProgressBar)) {
@@ -31,8 +53,9 @@ impl Bars {
 }
 
 impl Watch for Bars {
-    fn begin(&self, stage: &'static str, total: u64) {
-        self.with(|current| *current = bar(self.quiet, total, stage));
+    fn begin(&self, stage: Stage, round: u32, total: u64) {
+        let what = format!("{} {round}", stage.name());
+        self.with(|current| *current = bar(self.quiet, total, what));
     }
 
     fn advance(&self, steps: u64) {
@@ -42,10 +65,33 @@ impl Watch for Bars {
     fn end(&self) {
         self.with(|current| current.finish_and_clear());
     }
+
+    fn judged(&self, round: u32, judgement: &Judgement) {
+        if !self.quiet {
+            println!(
+                "round {round}: {} cells, relative error {:.2} % ± {:.2} %",
+                judgement.cells.len(),
+                100.0 * judgement.relative_error,
+                100.0 * judgement.relative_error_se
+            );
+        }
+    }
+
+    fn memory(&self) -> Option<u64> {
+        self.memory
+    }
+
+    fn halted(&self) -> Option<Halt> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return Some(Halt::Interrupt);
+        }
+        let late = self.deadline.is_some_and(|d| Instant::now() >= d);
+        late.then_some(Halt::Time)
+    }
 }
 
 /// A bar of `length` steps, or a silent one where nobody watches.
-pub fn bar(quiet: bool, length: u64, what: &'static str) -> ProgressBar {
+pub fn bar(quiet: bool, length: u64, what: impl Into<Cow<'static, str>>) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden());
     }

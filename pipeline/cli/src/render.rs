@@ -1,49 +1,96 @@
 //! `rrf render`: a frame by the baked nets.
 
-use crate::args::{Part, RenderArgs};
-use crate::{pictures, view};
+use crate::args::{Fallback, LightSampling, Part, RenderArgs};
+use crate::baked::Baked;
+use crate::stats::{self, Clock};
+use crate::{animate, pictures, view};
 use glam::Vec3;
-use rrf_bake::Run;
-use rrf_extract::Lookout;
-use rrf_field::Field;
-use rrf_render::{RenderOptions, notices};
-use rrf_store::model;
+use rrf_render::{Frame, RenderOptions, Renderer, ShadowRays, luminance, trace_untrusted};
 use rrf_trace::Tracer;
 
-/// Renders the view and writes it.
+/// Renders the view and writes it; with `--frames` again and again, to measure.
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
+    if let Some(path) = &args.path {
+        return animate::run(args, path);
+    }
     pictures::check_endings(&args.output)?;
-    let run = Run::open(&args.run)?;
-    let scene = run.load_scene()?;
-    let frame_view = view::view(&args.view, &scene)?;
-    let lights = view::lights(&args.view, &scene)?;
-    let scene = scene.unlit();
-    let tracer = Tracer::new(&scene)?;
-    let model = model::read_model(&run.folder, &run.facts())?;
-    let tree = model.tree;
-    let field = Field::new(tree.tree.clone(), model.cells)?;
-
-    let [x0, y0, z0, x1, y1, z1] = run.manifest.light_box;
-    let lookout = Lookout::new(&scene, &tracer);
-    let positions = lights.points.iter().map(|light| light.position);
-    let light_box = Some([Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1)]);
-    for notice in notices(frame_view.eye, positions, light_box, |p| {
-        lookout.inside_solid(p)
-    }) {
+    let baked = Baked::open(&args.run)?;
+    let frame_view = view::view(&args.view, &baked.scene)?;
+    let lights = view::lights(&args.view, &baked.scene)?;
+    let tracer = Tracer::new(baked.shown(&lights))?;
+    let lamps = baked.lamps(&lights)?;
+    for notice in baked.notices(&tracer, &frame_view, &lights) {
         eprintln!("warning: {notice}");
     }
-
-    let trusted = |rows: &rrf_field::columns::Columns| tree.trusted(rows);
+    let trusted = |rows: &rrf_field::columns::Columns| baked.trusted(rows);
     let options = RenderOptions {
-        part: match args.view.part {
-            Part::Full => rrf_render::Part::Full,
-            Part::Direct => rrf_render::Part::Direct,
-            Part::Indirect => rrf_render::Part::Indirect,
-        },
+        part: part(args.view.part),
         aa: args.view.aa,
-        trusted: Some(&trusted),
+        lamps: lamps.as_ref(),
+        shadow_rays: shadow_rays(args),
+        // A second look at every row: not where time is measured.
+        trusted: args.json_stats.is_none().then_some(&trusted),
         ..RenderOptions::default()
     };
-    let frame = rrf_render::render(&tracer, &field, &frame_view, &lights, &options)?;
+    let renderer = Renderer::new(&tracer, &baked.field);
+    let mut frame = Frame::default();
+    let mut clock = Clock::default();
+    for _ in 0..args.frames {
+        clock.start();
+        let stages = renderer.render(&frame_view, &lights, &options, &mut frame)?;
+        clock.stop(stages);
+    }
+    if let Some(target) = &args.json_stats {
+        stats::write(target, &stats::report(&clock, &frame_view, &lights))?;
+    }
+    if args.fallback == Fallback::Trace {
+        let (spp, aa, seed) = (args.fallback_spp, args.view.aa, baked.run.manifest.seed);
+        let traced = trace_untrusted(&tracer, &frame_view, &lights, &mut frame, spp, aa, seed)?;
+        println!("{traced} pixels path-traced: the nets were not trained for them");
+    }
+    if args.show_trust {
+        show_trust(&mut frame);
+    }
     pictures::write(frame, &args.view, &args.output)
+}
+
+/// Sampled lights, where a number of shadow rays is given or only one way is left.
+pub fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
+    let adaptive = args.light_sampling == LightSampling::Adaptive;
+    let standard = ShadowRays::default();
+    match args.shadow_rays {
+        None if adaptive => None,
+        count => Some(ShadowRays {
+            count: count.unwrap_or(standard.count),
+            adaptive,
+            seed: args.seed,
+        }),
+    }
+}
+
+/// Mixes red, as bright as the frame is on average, into pixels that are not trusted.
+fn show_trust(frame: &mut Frame) {
+    let count = frame.full.len().max(1) as f32;
+    let red = Vec3::X * (3.0 * frame.full.iter().map(|&p| luminance(p)).sum::<f32>() / count);
+    let cells = frame.cell.iter().flatten();
+    for ((pixel, &trust), &cell) in frame
+        .full
+        .iter_mut()
+        .zip(frame.trust.iter().flatten())
+        .zip(cells)
+    {
+        // a pixel that shows no surface has no cell, and nothing to trust or not
+        if cell != u32::MAX {
+            *pixel = pixel.lerp(red, 1.0 - trust.clamp(0.0, 1.0));
+        }
+    }
+}
+
+/// The part asked for, as the renderer names it.
+pub fn part(part: Part) -> rrf_render::Part {
+    match part {
+        Part::Full => rrf_render::Part::Full,
+        Part::Direct => rrf_render::Part::Direct,
+        Part::Indirect => rrf_render::Part::Indirect,
+    }
 }

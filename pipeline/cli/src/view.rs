@@ -47,34 +47,32 @@ fn look_at(args: &ViewArgs, eye: Vec3, target: Vec3, fov: Option<f32>) -> Result
         )));
     }
     let fov = args.fov.or(fov).unwrap_or(40.0);
-    Ok(View::look_at(
-        eye,
-        target,
-        up,
-        fov,
-        args.size.unwrap_or([512, 512]),
-    ))
+    let mut view = View::look_at(eye, target, up, fov, args.size.unwrap_or([512, 512]));
+    if args.mirror {
+        view.right = -view.right;
+    }
+    Ok(view)
 }
 
 /// The lights typed, or the scene's own.
 pub fn lights(args: &ViewArgs, scene: &Scene) -> Result<Lights, BadInput> {
-    if args.light.is_empty() {
+    let typed = args.light.iter().map(|l| PointLight {
+        position: Vec3::new(l[0], l[1], l[2]),
+        intensity: Vec3::new(l[3], l[4], l[5]),
+    });
+    if args.light.is_empty() || args.scene_lights {
         if scene.point_lights.is_empty() && scene.area_lights.is_empty() {
             return Err(BadInput(
                 "the scene has no light: give --light x,y,z[,r,g,b]".into(),
             ));
         }
         return Ok(Lights {
-            points: scene.point_lights.clone(),
+            points: scene.point_lights.iter().copied().chain(typed).collect(),
             area: true,
         });
     }
-    let points = args.light.iter().map(|l| PointLight {
-        position: Vec3::new(l[0], l[1], l[2]),
-        intensity: Vec3::new(l[3], l[4], l[5]),
-    });
     Ok(Lights {
-        points: points.collect(),
+        points: typed.collect(),
         area: false,
     })
 }

@@ -9,7 +9,9 @@
 //! | `cell.N.inputs` | u8 \[inputs\] | places in the list `inputs` of the metadata |
 //! | `cell.N.input_offset`, `cell.N.input_scale` | f32 \[inputs\] | h = (x - offset) * scale |
 //! | `cell.N.layer.K.weight`, `cell.N.layer.K.bias` | f32 \[out, in\], \[out\] | tanh after all but the last |
+//! | `cell.N.exponential` | u8 \[1\] | 1: h = exp(min(h, 12)) after the last layer |
 //! | `cell.N.output_scale`, `cell.N.output_offset` | f32 \[3\] | y = h * scale + offset |
+//! | `cell.N.exponential` | u8 \[1\] | 1: exp(min(h, 12)) in place of the last layer's h |
 //! | `cell.N.divide_base` | u8 \[1\] | 1: times the base colour |
 //!
 //! y is indirect outgoing radiance [W/(sr m²)] for an isotropic point light of 1 W/sr a channel.
@@ -97,6 +99,18 @@ fn cell_tensors(cell: &CellModel) -> Result<Vec<Tensor>, ExportError> {
             vec![1],
             vec![u8::from(cell.divide_base)],
         ),
+        (
+            name("exponential"),
+            Dtype::U8,
+            vec![1],
+            vec![u8::from(cell.exponential)],
+        ),
+        (
+            name("exponential"),
+            Dtype::U8,
+            vec![1],
+            vec![u8::from(cell.exponential)],
+        ),
     ];
     for (layer, (start, pair)) in cell
         .shape
@@ -149,6 +163,8 @@ mod tests {
             output_scale: [1.0, 2.0, 3.0],
             output_offset: [0.1, 0.2, 0.3],
             divide_base: true,
+            exponential: false,
+            exponential: true,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Candidate rows of one cell: a surface point, a side, a viewer direction, a light position.
 //!
-//! Candidate `k` of cell `c` is point `k` of a scrambled Sobol sequence seeded by (seed, c):
+//! Candidate `k` of a draw is point `k` of a scrambled Sobol sequence seeded by (seed, stream):
 //! the surface point is uniform over the area of the triangles that reach into the cell, the
 //! viewer direction uniform over the hemisphere, the light uniform in the cell's part of the
 //! light box. What falls outside the cell is rejected, so the accepted rows are uniform in it.

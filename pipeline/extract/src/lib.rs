@@ -1,10 +1,10 @@
 //! From a scene to training samples.
 //!
 //! [`plan`] draws candidate rows over the whole scene, grows the first kd-tree over them and
-//! shares the rows out to its cells; [`extract_cell`] draws one cell's rows again from its own
-//! stream, path-traces the indirect radiance of each as two independent half estimates, and
-//! gives back one table. A cell depends on (scene, tree, seed, cell) only: extracted alone it
-//! equals its part of the whole run.
+//! shares the rows out to its cells; [`extract`] draws rows inside a box from a stream of their
+//! own and path-traces the indirect radiance of each as two independent half estimates. A draw
+//! depends on (scene, light box, seed, draw) only: made alone it equals its part of the whole
+//! run. [`cut`] says where a cell's rows come apart best.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
@@ -19,7 +19,7 @@ mod stage;
 
 pub use candidates::{Accepted, Proposal, Rejection, Row, accept};
 pub use config::{Census, ExtractConfig, ExtractError, LightBox};
-pub use first_tree::Weights;
+pub use first_tree::{Weights, cut};
 pub use outlook::{Lookout, Outlook};
-pub use planning::{CellPlan, Plan, plan};
-pub use stage::{ExtractedCell, extract_cell};
+pub use planning::{CellShare, FirstPlan, plan};
+pub use stage::{Draw, Drawn, extract};

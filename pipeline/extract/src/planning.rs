@@ -1,19 +1,17 @@
 //! The plan: the first tree, and how many rows each of its cells gets.
 
-use crate::candidates::{Proposal, accept};
+use crate::candidates::{Accepted, Proposal, accept};
 use crate::config::{Census, ExtractConfig, ExtractError};
 use crate::first_tree::grow;
 use crate::outlook::Lookout;
+use crate::stage::{PILOT_STAGE, trace_halves};
 use rrf_field::tree::{Domain, Tree};
 use rrf_scene::{MaterialKind, Scene};
-use rrf_trace::Tracer;
-use serde::{Deserialize, Serialize};
+use rrf_trace::{Stream, Tracer};
 
 /// A cell's share of the work.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CellPlan {
-    /// The cell.
-    pub cell: u32,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellShare {
     /// Rows to extract.
     pub rows: u32,
     /// Share of all valid (point, view, light) combinations that lie in the cell, summing to 1:
@@ -21,49 +19,38 @@ pub struct CellPlan {
     pub measure: f64,
 }
 
-/// What is to be extracted.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Plan {
+/// What is to be extracted first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FirstPlan {
     /// Which cell a row belongs to.
     pub tree: Tree,
     /// The cells, by id.
-    pub cells: Vec<CellPlan>,
+    pub cells: Vec<CellShare>,
     /// Which materials of the scene are Lambertian, by material id.
     pub lambert: Vec<bool>,
+    /// Mean luminance (mean of r, g, b) of the indirect radiance over all valid combinations,
+    /// W/(sr m^2), estimated at the candidates.
+    pub mean_luminance: f32,
     /// Candidates accepted and left out over the whole scene.
     pub census: Census,
 }
 
-impl Plan {
-    /// Whether tree and cells belong together.
-    pub fn check(&self) -> Result<(), String> {
-        self.tree.check()?;
-        if self.cells.len() != self.tree.cells() {
-            return Err(format!(
-                "{} cells, but {} leaves",
-                self.cells.len(),
-                self.tree.cells()
-            ));
-        }
-        let wrong = (0u32..)
-            .zip(&self.cells)
-            .find(|(id, c)| c.cell != *id || !c.measure.is_finite());
-        wrong.map_or(Ok(()), |(id, _)| {
-            Err(format!("cell {id}: id or measure is wrong"))
-        })
-    }
-}
-
-/// Stream of the candidates that the plan is made from; cells use `cell + 1`.
+/// Stream of the candidates that the plan is made from; draws use `stream + 1`.
 const WHOLE_SCENE: u64 = 0;
+/// Paths that each candidate's radiance is estimated by: noise averages out over all of them.
+const PILOT_PATHS: u32 = 4;
 /// Candidates drawn for each one wanted before a plan gives up.
 const PATIENCE: usize = 16;
 
 /// Draws candidates over the whole scene and grows the first tree.
-pub fn plan(scene: &Scene, tracer: &Tracer, config: &ExtractConfig) -> Result<Plan, ExtractError> {
+pub fn plan(
+    scene: &Scene,
+    tracer: &Tracer,
+    config: &ExtractConfig,
+) -> Result<FirstPlan, ExtractError> {
     let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
     config.validate(&bounds)?;
-    let seed = cell_seed(config.seed, WHOLE_SCENE);
+    let seed = scramble_seed(config.seed, WHOLE_SCENE);
     let nothing = |census: Census| ExtractError::NoRow {
         drawn: u64::from(config.candidates) * PATIENCE as u64,
         census,
@@ -87,33 +74,46 @@ pub fn plan(scene: &Scene, tracer: &Tracer, config: &ExtractConfig) -> Result<Pl
         .iter()
         .map(|m| m.kind == MaterialKind::Lambert)
         .collect();
-    Ok(Plan {
+    Ok(FirstPlan {
         cells: share_out(&counts, config),
         tree,
         lambert,
+        mean_luminance: mean_luminance(tracer, &drawn, config.seed)?,
         census: drawn.census,
     })
 }
 
+/// The pilot: what a row is worth on average, which decides below which luminance errors count
+/// absolutely (ε).
+fn mean_luminance(tracer: &Tracer, drawn: &Accepted, seed: u64) -> Result<f32, ExtractError> {
+    let stream = Stream::new(seed, PILOT_STAGE, 0);
+    let halves = trace_halves(tracer, drawn, PILOT_PATHS, stream)?;
+    let sum: f64 = halves
+        .iter()
+        .flatten()
+        .map(|y| f64::from(y[0] + y[1] + y[2]) / 3.0)
+        .sum();
+    Ok((sum / (halves[0].len() + halves[1].len()).max(1) as f64) as f32)
+}
+
 /// Rows go with the square root of a cell's measure: a small cell's net needs as many rows
 /// as a large one's, a large cell is seen more.
-fn share_out(counts: &[u64], config: &ExtractConfig) -> Vec<CellPlan> {
+fn share_out(counts: &[u64], config: &ExtractConfig) -> Vec<CellShare> {
     let total: u64 = counts.iter().sum();
     let measure = |n: u64| n as f64 / total as f64;
     let roots: f64 = counts.iter().map(|&n| measure(n).sqrt()).sum();
     let share = |n: u64| (f64::from(config.rows) * measure(n).sqrt() / roots).round() as u32;
-    (0u32..)
-        .zip(counts)
-        .map(|(cell, &n)| CellPlan {
-            cell,
+    counts
+        .iter()
+        .map(|&n| CellShare {
             rows: share(n).max(config.fewest_rows),
             measure: measure(n),
         })
         .collect()
 }
 
-/// The seed of a cell's Sobol scramble.
-pub(crate) fn cell_seed(seed: u64, stream: u64) -> u64 {
+/// The seed of a stream's Sobol scramble.
+pub(crate) fn scramble_seed(seed: u64, stream: u64) -> u64 {
     let mut z = seed ^ stream.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 33)).wrapping_mul(0xff51_afd7_ed55_8ccd);
     z = (z ^ (z >> 33)).wrapping_mul(0xc4ce_b9fe_1a85_ec53);

@@ -1,66 +1,83 @@
-//! One cell's rows, path-traced.
+//! One draw of rows, path-traced.
 
 use crate::candidates::{Accepted, Proposal, accept};
-use crate::config::{Census, ExtractConfig, ExtractError};
+use crate::config::{Census, ExtractError, LightBox};
 use crate::outlook::Lookout;
-use crate::planning::{CellPlan, cell_seed};
+use crate::planning::scramble_seed;
 use glam::Vec3;
-use rrf_field::columns;
+use rrf_field::columns::{self, Columns};
 use rrf_field::tree::Domain;
 use rrf_scene::Scene;
-use rrf_store::samples::SampleTable;
 use rrf_trace::{Queries, Stream, Tracer, indirect};
 
 /// Stage number of extraction in every [`Stream`].
 pub const STAGE: u32 = 1;
-/// Candidates drawn for each row wanted before a cell makes do with fewer rows.
+/// Stage number of the plan's pilot.
+pub(crate) const PILOT_STAGE: u32 = 3;
+/// Candidates drawn for each row wanted before a draw makes do with fewer rows.
 const PATIENCE: usize = 4096;
-/// First numbers of the Sobol streams of cells; the plan's own stream is 0.
-const FIRST_CELL_STREAM: u64 = 1;
+/// First numbers of the Sobol streams of draws; the plan's own stream is 0.
+const FIRST_STREAM: u64 = 1;
 
-/// A cell's table and what was left out on the way to it.
-#[derive(Clone, Debug)]
-pub struct ExtractedCell {
-    /// Rows with two half estimates each.
-    pub table: SampleTable,
+/// A request for rows inside a box of raw columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Draw {
+    /// Which draw of the run this is: fixes every random number of its rows.
+    pub stream: u32,
+    /// Where the rows lie.
+    pub domain: Domain,
+    /// Rows wanted.
+    pub rows: u32,
+    /// Paths a row, even: half go to each half estimate.
+    pub paths: u32,
+}
+
+/// Rows drawn and traced, and what was left out on the way to them.
+#[derive(Clone, Debug, Default)]
+pub struct Drawn {
+    /// Index of each row in the run: the draw's stream times 2^32, plus the candidate.
+    pub index: Vec<u64>,
+    /// Raw columns.
+    pub rows: Columns,
+    /// Material ids.
+    pub material: Vec<u32>,
+    /// Two independent half estimates [W/(sr m^2)] of each row.
+    pub halves: [Vec<[f32; 3]>; 2],
     /// Candidates accepted and left out.
     pub census: Census,
 }
 
-/// Draws and traces the rows that `plan` wants of one cell with this domain.
-pub fn extract_cell(
+/// Draws rows and traces them.
+pub fn extract(
     scene: &Scene,
     tracer: &Tracer,
     lookout: &Lookout,
-    domain: Domain,
-    plan: CellPlan,
-    config: &ExtractConfig,
-) -> Result<ExtractedCell, ExtractError> {
-    let seed = cell_seed(config.seed, u64::from(plan.cell) + FIRST_CELL_STREAM);
-    let accepted = Proposal::new(scene, tracer, lookout, domain, config.light_box, seed)
-        .map(|proposal| accept(&proposal, plan.rows as usize, PATIENCE))
+    light_box: LightBox,
+    seed: u64,
+    draw: &Draw,
+) -> Result<Drawn, ExtractError> {
+    let scramble = scramble_seed(seed, u64::from(draw.stream) + FIRST_STREAM);
+    let accepted = Proposal::new(scene, tracer, lookout, draw.domain, light_box, scramble)
+        .map(|proposal| accept(&proposal, draw.rows as usize, PATIENCE))
         .unwrap_or_default();
-    let halves = trace_halves(tracer, &accepted, plan.cell, config)?;
-    let rows = accepted.index.len();
-    Ok(ExtractedCell {
+    let stream = Stream::new(seed, STAGE, draw.stream);
+    let halves = trace_halves(tracer, &accepted, draw.paths, stream)?;
+    let first = u64::from(draw.stream) << 32;
+    Ok(Drawn {
+        index: accepted.index.iter().map(|k| first + k).collect(),
+        rows: accepted.rows,
+        material: accepted.material,
+        halves,
         census: accepted.census,
-        table: SampleTable {
-            cell_id: plan.cell,
-            index: accepted.index,
-            columns: accepted.rows,
-            material: accepted.material,
-            halves,
-            paths: vec![config.paths; rows],
-        },
     })
 }
 
 /// Two independent half estimates [W/(sr m^2)] of every accepted row.
-fn trace_halves(
+pub(crate) fn trace_halves(
     tracer: &Tracer,
     accepted: &Accepted,
-    cell: u32,
-    config: &ExtractConfig,
+    paths: u32,
+    stream: Stream,
 ) -> Result<[Vec<[f32; 3]>; 2], ExtractError> {
     let column = |first| -> Vec<Vec3> {
         (0..accepted.rows.len())
@@ -73,8 +90,7 @@ fn trace_halves(
         viewers: &viewers,
         lights: &lights,
     };
-    let stream = Stream::new(config.seed, STAGE, cell);
-    let estimates = indirect(tracer, queries, config.paths, 2, stream, 0)?;
+    let estimates = indirect(tracer, queries, paths, 2, stream, 0)?;
     let half = |h: usize| {
         (0..estimates.len())
             .map(|q| estimates.halves(q)[h].to_array())

@@ -61,6 +61,7 @@ fn model(cell: u32, inputs: Vec<u8>, numbers: &mut Numbers) -> CellModel {
         output_scale: [0.3; 3],
         output_offset: [0.1; 3],
         divide_base: false,
+        exponential: false,
     }
 }
 

@@ -273,6 +273,7 @@ mod tests {
             output_scale: [1.0; 3],
             output_offset: [0.0; 3],
             divide_base: false,
+            exponential: true,
         });
         let ids: Vec<u32> = (0..150).filter(|id| id % 11 != 3).collect();
         type Evaluate = fn(&Packed, &Columns, &[u32], &mut Scratch, &mut [Vec<f32>; 3]);

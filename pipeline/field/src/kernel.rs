@@ -6,6 +6,7 @@
 
 use crate::columns;
 use crate::derived::{BLOCK, DerivedBlock, Lane, RawBlock};
+use crate::exp::exp;
 use crate::packed::{Packed, group};
 use crate::tanh::{multiply_add, tanh};
 
@@ -110,13 +111,18 @@ pub fn net<const FUSED: bool, const LANES: usize>(
         weights = &weights[(n_in + 1) * n_out..];
         std::mem::swap(&mut x, &mut y);
     }
-    finish(packed, raw, out);
+    finish::<FUSED>(packed, raw, out);
 }
 
-/// Output offset and scale, and the base colour where the target was divided by it.
+/// Exponentials where the outputs are exponents, output offset and scale, and the base colour where the target was divided by it.
 #[inline(always)]
-fn finish(packed: &Packed, raw: &RawBlock, out: &mut [Lane; 3]) {
+fn finish<const FUSED: bool>(packed: &Packed, raw: &RawBlock, out: &mut [Lane; 3]) {
     for (c, out) in out.iter_mut().enumerate() {
+        if packed.exponential {
+            for y in &mut out.0 {
+                *y = exp::<FUSED>(*y);
+            }
+        }
         let (factor, offset) = (packed.output_scale[c], packed.output_offset[c]);
         for y in &mut out.0 {
             *y = *y * factor + offset;

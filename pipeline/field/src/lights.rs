@@ -8,6 +8,7 @@ use crate::error::FieldError;
 use crate::evaluate::{Field, gather, mark, run};
 use crate::kernel::{self, Scratch};
 use crate::packed::Packed;
+use crate::spent::{Spent, Watch};
 use multiversion::{multiversion, target::match_target};
 
 /// An isotropic point light: position [m, world] and radiant intensity a channel [W/sr].
@@ -31,6 +32,19 @@ impl Field {
         out: &mut [Vec<f32>; 3],
         cells: &mut Vec<u32>,
     ) -> Result<(), FieldError> {
+        self.evaluate_lights_timed(rows, lights, out, cells, None)
+    }
+
+    /// [`Field::evaluate_lights`]; adds what time it took to `spent`.
+    pub fn evaluate_lights_timed(
+        &self,
+        rows: &Columns,
+        lights: &[Light],
+        out: &mut [Vec<f32>; 3],
+        cells: &mut Vec<u32>,
+        mut spent: Option<&mut Spent>,
+    ) -> Result<(), FieldError> {
+        let mut watch = Watch::new(spent.is_some());
         self.prepare(rows, out, cells)?;
         let mut scratch = Scratch::new(self.width);
         let positions: Vec<[f32; 3]> = lights.iter().map(|light| light.position).collect();
@@ -42,8 +56,21 @@ impl Field {
                 mark(cells, group.rows, group.cell);
             }
             let packed = &self.packed[group.cell as usize];
-            evaluate_cell_lights(packed, rows, group.rows, &reaching, &mut scratch, out);
+            watch.end_lookup();
+            evaluate_cell_lights(
+                packed,
+                rows,
+                group.rows,
+                &reaching,
+                &mut scratch,
+                out,
+                &mut watch,
+            );
         });
+        watch.end_lookup();
+        if let Some(spent) = &mut spent {
+            spent.add(&watch.spent);
+        }
         Ok(())
     }
 }
@@ -60,12 +87,13 @@ fn evaluate_cell_lights(
     lights: &[Light],
     scratch: &mut Scratch,
     out: &mut [Vec<f32>; 3],
+    watch: &mut Watch,
 ) {
     match_target! {
-        "x86_64+avx512f" => with::<true, 32>(packed, rows, ids, lights, scratch, out),
-        "x86_64+fma" => with::<true, 16>(packed, rows, ids, lights, scratch, out),
-        "aarch64" => with::<true, 8>(packed, rows, ids, lights, scratch, out),
-        _ => with::<false, 8>(packed, rows, ids, lights, scratch, out),
+        "x86_64+avx512f" => with::<true, 32>(packed, rows, ids, lights, scratch, out, watch),
+        "x86_64+fma" => with::<true, 16>(packed, rows, ids, lights, scratch, out, watch),
+        "aarch64" => with::<true, 8>(packed, rows, ids, lights, scratch, out, watch),
+        _ => with::<false, 8>(packed, rows, ids, lights, scratch, out, watch),
     }
 }
 
@@ -77,6 +105,7 @@ fn with<const FUSED: bool, const LANES: usize>(
     lights: &[Light],
     scratch: &mut Scratch,
     out: &mut [Vec<f32>; 3],
+    watch: &mut Watch,
 ) {
     let mut raw: RawBlock = [Lane::ZERO; columns::COUNT];
     let mut derived: DerivedBlock = [Lane::ZERO; DERIVED];
@@ -95,6 +124,7 @@ fn with<const FUSED: bool, const LANES: usize>(
             let first = if k == 0 { 0 } else { packed.fixed };
             let range = first..packed.sizes[0];
             kernel::scale(packed, range, &raw, &derived, &mut scratch.scaled);
+            watch.end_inputs();
             if k == 0 {
                 kernel::fixed_sums::<FUSED, LANES>(packed, ids.len(), scratch);
             }
@@ -104,6 +134,7 @@ fn with<const FUSED: bool, const LANES: usize>(
                     *sum += c * y;
                 }
             }
+            watch.end_nets();
         }
         for (out, sum) in out.iter_mut().zip(&sum) {
             match run(ids) {

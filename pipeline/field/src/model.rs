@@ -63,6 +63,8 @@ pub struct CellModel {
     pub output_offset: [f32; 3],
     /// The target was divided by the base colour; the model multiplies it back.
     pub divide_base: bool,
+    /// The net's outputs are exponents: exp(min(net, MAX_EXPONENT)) in their place.
+    pub exponential: bool,
 }
 
 /// Computes input `input` (a place in [`INPUTS`]) for all rows into `out`.

@@ -40,6 +40,8 @@ pub struct Packed {
     pub output_offset: [f32; 3],
     /// The base colour is multiplied onto the result.
     pub divide_base: bool,
+    /// The outputs are exponents.
+    pub exponential: bool,
 }
 
 impl Packed {
@@ -64,6 +66,7 @@ impl Packed {
             output_scale: model.output_scale,
             output_offset: model.output_offset,
             divide_base: model.divide_base,
+            exponential: model.exponential,
         }
     }
 

@@ -38,7 +38,7 @@ pub fn multiply_add<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
 }
 
 #[inline(always)]
-fn horner<const FUSED: bool, const N: usize>(coefficients: &[f32; N], t: f32) -> f32 {
+pub fn horner<const FUSED: bool, const N: usize>(coefficients: &[f32; N], t: f32) -> f32 {
     let mut sum = coefficients[N - 1];
     for k in (0..N - 1).rev() {
         sum = multiply_add::<FUSED>(sum, t, coefficients[k]);

@@ -117,24 +117,33 @@ impl Tree {
         (0..rows.len()).map(|r| self.find(&rows.row(r))).collect()
     }
 
+    /// The box of every node in raw columns, root first; see [`Tree::domains`].
+    pub fn node_domains(&self) -> Vec<Domain> {
+        let mut domains = vec![Domain::ALL; self.axis.len()];
+        for node in 0..self.axis.len() {
+            if self.axis[node] == LEAF {
+                continue;
+            }
+            let (axis, at) = (self.axis[node] as usize, self.threshold[node]);
+            let left = self.left[node] as usize;
+            domains[left] = domains[node];
+            domains[left].maximum[axis] = domains[node].maximum[axis].min(at);
+            domains[left + 1] = domains[node];
+            domains[left + 1].minimum[axis] = domains[node].minimum[axis].max(at);
+        }
+        domains
+    }
+
     /// The box of each cell in raw columns, `[minimum, maximum)` an axis, infinite where
     /// no split bounds it. Indexed by cell id; an id that no leaf has keeps an empty box.
     pub fn domains(&self) -> Vec<Domain> {
         let ids = self.cell.iter().filter(|&&c| c != u32::MAX);
         let count = ids.max().map_or(0, |&c| c as usize + 1);
         let mut domains = vec![Domain::EMPTY; count];
-        let mut stack = vec![(0usize, Domain::ALL)];
-        while let Some((node, domain)) = stack.pop() {
+        for (node, domain) in self.node_domains().into_iter().enumerate() {
             if self.axis[node] == LEAF {
                 domains[self.cell[node] as usize] = domain;
-                continue;
             }
-            let (axis, at) = (self.axis[node] as usize, self.threshold[node]);
-            let (mut left, mut right) = (domain, domain);
-            left.maximum[axis] = left.maximum[axis].min(at);
-            right.minimum[axis] = right.minimum[axis].max(at);
-            stack.push((self.left[node] as usize, left));
-            stack.push((self.left[node] as usize + 1, right));
         }
         domains
     }

@@ -45,7 +45,12 @@ fn scalar(model: &CellModel, rows: &Columns, r: usize) -> [f64; 3] {
     let weights: Vec<f64> = model.weights.iter().map(|&w| f64::from(w)).collect();
     let y = net::evaluate(&model.shape, &weights, &x);
     std::array::from_fn(|c| {
-        let y = y[c] * f64::from(model.output_scale[c]) + f64::from(model.output_offset[c]);
+        let y = if model.exponential {
+            y[c].min(f64::from(rrf_field::MAX_EXPONENT)).exp()
+        } else {
+            y[c]
+        };
+        let y = y * f64::from(model.output_scale[c]) + f64::from(model.output_offset[c]);
         if model.divide_base {
             y * all[columns::BASE + c]
         } else {

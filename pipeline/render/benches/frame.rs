@@ -30,6 +30,7 @@ fn model(cell: u32) -> CellModel {
         output_scale: [0.1; 3],
         output_offset: [0.1; 3],
         divide_base: false,
+        exponential: false,
     }
 }
 

@@ -68,6 +68,14 @@ pub enum RenderError {
         /// Positions a side.
         aa: u32,
     },
+    /// A camera path that cannot be followed.
+    #[error("{path}: {reason}", path = path.display())]
+    PathFile {
+        /// The file.
+        path: PathBuf,
+        /// The row and what is wrong with it.
+        reason: String,
+    },
     /// Evaluation of the nets.
     #[error(transparent)]
     Field(#[from] rrf_field::FieldError),

@@ -60,6 +60,17 @@ pub fn write(path: &Path, shown: &Shown) -> Result<(), RenderError> {
         })
 }
 
+/// A small version, at most `side` pixels wide and high.
+pub fn thumbnail(shown: &Shown, side: u32) -> Shown {
+    let longest = shown.width().max(shown.height());
+    if longest <= side {
+        return shown.clone();
+    }
+    let scaled = |length: u32| (u64::from(length) * u64::from(side) / u64::from(longest)).max(1);
+    let (width, height) = (scaled(shown.width()), scaled(shown.height()));
+    image::imageops::thumbnail(shown, width as u32, height as u32)
+}
+
 /// Pictures side by side, `columns` in a row from the top left, on mid grey with a margin.
 pub fn contact_sheet(pictures: &[Shown], columns: u32) -> Shown {
     const MARGIN: u32 = 8;

@@ -1,17 +1,23 @@
 //! A frame: what the camera sees, its direct light, its indirect light by the nets.
 
 use crate::direct::Direct;
+use crate::emitter::Emitter;
 use crate::error::RenderError;
 use crate::facts;
 use crate::frame::Frame;
+use crate::sampled::{Sampled, ShadowRays};
+use crate::stages::{Lap, Stages};
+use crate::stand_in::Lamps;
 use crate::tile::{self, Tile, Visible};
 use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::{Field, Light};
-use rrf_scene::PointLight;
+use rrf_scene::{MaterialKind, PointLight};
 use rrf_trace::Tracer;
+use rrf_trace::bsdf::Bsdf;
+use std::sync::Mutex;
 
 /// Which part of the light a frame shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,6 +53,11 @@ pub struct RenderOptions<'a> {
     pub aa: u32,
     /// Negative radiance of the indirect part, pixel by pixel and channel by channel.
     pub negative: Negative,
+    /// The scene's area lights: needed where they shine, with the scene that has them traced.
+    pub lamps: Option<&'a Lamps>,
+    /// How lights are sampled. Point lights are otherwise exact, one shadow ray each; area
+    /// lights are always sampled, by [`ShadowRays::default`] if need be.
+    pub shadow_rays: Option<ShadowRays>,
     /// Tells which rows, light included, the nets were trained for; with it the frame has a
     /// trust layer.
     pub trusted: Option<&'a Trusted<'a>>,
@@ -63,12 +74,15 @@ impl RenderOptions<'_> {
 struct Work {
     seen: Visible,
     direct: Direct,
+    sampled: Sampled,
     radiance: [Vec<f32>; 3],
     cells: Vec<u32>,
+    stages: Stages,
 }
 
 /// A band of the frame's layers.
 struct Band<'f> {
+    full: &'f mut [Vec3],
     direct: &'f mut [Vec3],
     indirect: &'f mut [Vec3],
     cell: &'f mut [u32],
@@ -80,9 +94,22 @@ struct Job<'f> {
     tracer: &'f Tracer<'f>,
     field: &'f Field,
     view: &'f View,
+    /// Point lights by exact shadow rays.
     points: &'f [PointLight],
+    /// Lights to be sampled.
+    emitters: Vec<Emitter>,
+    /// Whether surfaces may shine themselves.
+    emission: bool,
+    /// Point lights of the nets.
     lights: Vec<Light>,
     options: &'f RenderOptions<'f>,
+}
+
+/// Makes frame after frame of one scene and field, and keeps what the threads work with.
+pub struct Renderer<'a> {
+    tracer: &'a Tracer<'a>,
+    field: &'a Field,
+    idle: Mutex<Vec<Work>>,
 }
 
 /// Renders `view` under point lights. Layers: the parts asked for, and with the indirect part
@@ -96,119 +123,294 @@ pub fn render(
     lights: &Lights,
     options: &RenderOptions,
 ) -> Result<Frame, RenderError> {
-    view.check()?;
-    lights.check()?;
-    if lights.area && !tracer.scene().area_lights.is_empty() {
-        return Err(RenderError::AreaLights);
+    let mut frame = Frame::default();
+    Renderer::new(tracer, field).render(view, lights, options, &mut frame)?;
+    Ok(frame)
+}
+
+impl<'a> Renderer<'a> {
+    /// Frames of `tracer`'s scene with the indirect light of `field`.
+    pub fn new(tracer: &'a Tracer<'a>, field: &'a Field) -> Renderer<'a> {
+        Renderer {
+            tracer,
+            field,
+            idle: Mutex::default(),
+        }
     }
-    let light = |light: &PointLight| Light {
-        position: light.position.to_array(),
-        intensity: light.intensity.to_array(),
-    };
-    let job = Job {
-        tracer,
-        field,
-        view,
-        points: &lights.points,
-        lights: lights.points.iter().map(light).collect(),
-        options,
-    };
-    let count = view.width as usize * view.height as usize;
-    let (mut direct, mut indirect) = (vec![Vec3::ZERO; count], vec![Vec3::ZERO; count]);
-    let (mut cell, mut trust) = (vec![u32::MAX; count], vec![0.0; count]);
-    let size = (tile::HEIGHT * view.width) as usize;
-    direct
-        .par_chunks_mut(size)
-        .zip(indirect.par_chunks_mut(size))
-        .zip(cell.par_chunks_mut(size).zip(trust.par_chunks_mut(size)))
-        .enumerate()
-        .try_for_each_init(Work::default, |work, (band, layers)| {
-            let ((direct, indirect), (cell, trust)) = layers;
-            let mut layers = Band {
+
+    /// As [`render()`], into a frame whose memory is used again; and where the time went.
+    /// After an error the frame's layers are of no use.
+    pub fn render(
+        &self,
+        view: &View,
+        lights: &Lights,
+        options: &RenderOptions,
+        frame: &mut Frame,
+    ) -> Result<Stages, RenderError> {
+        view.check()?;
+        lights.check()?;
+        let job = self.job(view, lights, options)?;
+        let mut layers = Layers::of(frame, view);
+        let bands = layers.bands(view.width).enumerate();
+        let stages = bands
+            .map(|(band, mut layers)| {
+                let mut work = self.take();
+                let mut tiles = Tile::of_band(view.width, view.height, band as u32);
+                let done = tiles.try_for_each(|tile| job.tile(&mut work, tile, &mut layers));
+                let stages = std::mem::take(&mut work.stages);
+                self.give_back(work);
+                done.map(|()| stages)
+            })
+            .collect::<Result<Vec<Stages>, RenderError>>()?;
+        layers.into_frame(frame, options);
+        frame.attributes = facts::of_render(view, lights, options);
+        let mut sum = Stages::default();
+        stages.iter().for_each(|stages| sum.add(stages));
+        Ok(sum)
+    }
+
+    /// Which lights are exact, which are sampled, which the nets see.
+    fn job<'f>(
+        &'f self,
+        view: &'f View,
+        lights: &'f Lights,
+        options: &'f RenderOptions<'f>,
+    ) -> Result<Job<'f>, RenderError> {
+        let lamps = match options.lamps {
+            Some(lamps) if lights.area => Some(lamps),
+            None if lights.area && !self.tracer.scene().area_lights.is_empty() => {
+                return Err(RenderError::AreaLights);
+            }
+            _ => None,
+        };
+        let light = |light: &PointLight| Light {
+            position: light.position.to_array(),
+            intensity: light.intensity.to_array(),
+        };
+        let stand_ins = lamps.into_iter().flat_map(Lamps::points);
+        let cells = lamps.map_or(&[][..], |lamps| &lamps.cells);
+        let points = lights.points.iter().map(Emitter::from);
+        let sampled = points.filter(|_| options.shadow_rays.is_some());
+        Ok(Job {
+            tracer: self.tracer,
+            field: self.field,
+            view,
+            points: match options.shadow_rays {
+                None => &lights.points,
+                Some(_) => &[],
+            },
+            emitters: sampled.chain(cells.iter().copied()).collect(),
+            emission: lamps.is_some(),
+            lights: lights.points.iter().map(light).chain(stand_ins).collect(),
+            options,
+        })
+    }
+
+    /// A thread that panicked may leave the list behind poisoned, but never half changed.
+    fn take(&self) -> Work {
+        let mut idle = self
+            .idle
+            .lock()
+            .unwrap_or_else(|poison| poison.into_inner());
+        idle.pop().unwrap_or_default()
+    }
+
+    fn give_back(&self, work: Work) {
+        let mut idle = self
+            .idle
+            .lock()
+            .unwrap_or_else(|poison| poison.into_inner());
+        idle.push(work);
+    }
+}
+
+/// All layers of a frame in the making.
+struct Layers {
+    full: Vec<Vec3>,
+    direct: Vec<Vec3>,
+    indirect: Vec<Vec3>,
+    cell: Vec<u32>,
+    trust: Vec<f32>,
+}
+
+impl Layers {
+    /// Takes a frame's memory for a picture of `view`.
+    fn of(frame: &mut Frame, view: &View) -> Layers {
+        let count = view.width as usize * view.height as usize;
+        (frame.width, frame.height) = (view.width, view.height);
+        fn sized<T: Copy>(mut layer: Vec<T>, count: usize, value: T) -> Vec<T> {
+            layer.resize(count, value);
+            layer
+        }
+        Layers {
+            full: sized(std::mem::take(&mut frame.full), count, Vec3::ZERO),
+            direct: sized(frame.direct.take().unwrap_or_default(), count, Vec3::ZERO),
+            indirect: sized(frame.indirect.take().unwrap_or_default(), count, Vec3::ZERO),
+            cell: sized(frame.cell.take().unwrap_or_default(), count, u32::MAX),
+            trust: sized(frame.trust.take().unwrap_or_default(), count, 0.0),
+        }
+    }
+
+    /// Bands of [`tile::HEIGHT`] rows of pixels.
+    fn bands(&mut self, width: u32) -> impl IndexedParallelIterator<Item = Band<'_>> {
+        let size = (tile::HEIGHT * width) as usize;
+        let parts = self.direct.par_chunks_mut(size);
+        let parts = parts.zip(self.indirect.par_chunks_mut(size));
+        let facts = self.cell.par_chunks_mut(size);
+        let facts = facts.zip(self.trust.par_chunks_mut(size));
+        let full = self.full.par_chunks_mut(size);
+        full.zip(parts.zip(facts))
+            .map(|(full, ((direct, indirect), (cell, trust)))| Band {
+                full,
                 direct,
                 indirect,
                 cell,
                 trust,
-            };
-            let mut tiles = Tile::of_band(view.width, view.height, band as u32);
-            tiles.try_for_each(|tile| job.tile(work, tile, &mut layers))
-        })?;
-    let (with_direct, with_indirect) = parts(options.part);
-    Ok(Frame {
-        width: view.width,
-        height: view.height,
-        full: direct.iter().zip(&indirect).map(|(a, b)| a + b).collect(),
-        direct: with_direct.then_some(direct),
-        indirect: with_indirect.then_some(indirect),
-        cell: with_indirect.then_some(cell),
-        trust: (with_indirect && options.trusted.is_some()).then_some(trust),
-        attributes: facts::of_render(view, lights, options),
-    })
+            })
+    }
+
+    /// Gives the frame the layers that were asked for.
+    fn into_frame(self, frame: &mut Frame, options: &RenderOptions) {
+        let (with_direct, with_indirect) = parts(options.part);
+        frame.full = self.full;
+        frame.direct = with_direct.then_some(self.direct);
+        frame.indirect = with_indirect.then_some(self.indirect);
+        frame.cell = with_indirect.then_some(self.cell);
+        frame.trust = (with_indirect && options.trusted.is_some()).then_some(self.trust);
+    }
 }
 
 fn parts(part: Part) -> (bool, bool) {
     (part != Part::Indirect, part != Part::Direct)
 }
 
+impl Band<'_> {
+    /// Forgets what an earlier frame left at the pixels of a tile.
+    fn clear(&mut self, tile: Tile, width: u32) {
+        for row in 0..tile.height {
+            let first = (row * width + tile.x) as usize;
+            let pixels = first..first + tile.width as usize;
+            self.direct[pixels.clone()].fill(Vec3::ZERO);
+            self.indirect[pixels.clone()].fill(Vec3::ZERO);
+            self.cell[pixels.clone()].fill(u32::MAX);
+            self.trust[pixels].fill(0.0);
+        }
+    }
+
+    /// Adds up the parts of a tile.
+    fn sum(&mut self, tile: Tile, width: u32, negative: Negative) {
+        for row in 0..tile.height {
+            let first = (row * width + tile.x) as usize;
+            let pixels = first..first + tile.width as usize;
+            let parts = self.direct[pixels.clone()].iter();
+            let parts = parts.zip(&mut self.indirect[pixels.clone()]);
+            for (full, (direct, indirect)) in self.full[pixels].iter_mut().zip(parts) {
+                if negative == Negative::Zero {
+                    *indirect = indirect.max(Vec3::ZERO);
+                }
+                *full = *direct + *indirect;
+            }
+        }
+    }
+}
+
 impl Job<'_> {
     fn tile(&self, work: &mut Work, tile: Tile, band: &mut Band) -> Result<(), RenderError> {
+        let mut lap = Lap::start();
         let side = self.options.side();
         let weight = 1.0 / (side * side) as f32;
         work.seen.shoot(self.tracer, self.view, tile, side);
+        lap.end(&mut work.stages.primary_rays);
+        work.seen.read_hits(self.tracer);
+        lap.end(&mut work.stages.points);
+        band.clear(tile, self.view.width);
+        lap.end(&mut work.stages.resolve);
         let (with_direct, with_indirect) = parts(self.options.part);
         if with_direct {
-            work.direct
-                .point_lights(self.tracer, &work.seen, self.points);
-            for (&pixel, &radiance) in work.seen.pixel.iter().zip(&work.direct.radiance) {
-                band.direct[tile.in_band(pixel, self.view.width)] += weight * radiance;
-            }
+            self.direct(work, tile, weight, band);
+            lap = Lap::start();
         }
         if with_indirect {
-            self.indirect(work, tile, weight, band)?;
+            self.indirect(work, weight, band)?;
+            lap = Lap::start();
         }
+        band.sum(tile, self.view.width, self.options.negative);
+        lap.end(&mut work.stages.resolve);
         Ok(())
     }
 
+    /// Light straight from the lights, and what the surface sends out itself.
+    fn direct(&self, work: &mut Work, tile: Tile, weight: f32, band: &mut Band) {
+        let Work {
+            seen,
+            direct,
+            sampled,
+            stages,
+            ..
+        } = work;
+        direct.point_lights(self.tracer, seen, self.points, stages);
+        let mut lap = Lap::start();
+        for (&pixel, &radiance) in seen.pixel.iter().zip(&direct.radiance) {
+            band.direct[pixel as usize] += weight * radiance;
+        }
+        if !self.emitters.is_empty() {
+            let first = u64::from(tile.y) * u64::from(self.view.width);
+            let plan = self.options.shadow_rays.unwrap_or_default();
+            let place = (first, self.view.width);
+            sampled.estimate(self.tracer, seen, &self.emitters, plan, place, stages);
+            lap = Lap::start();
+            for (&pixel, &radiance) in seen.pixel.iter().zip(&sampled.radiance) {
+                band.direct[pixel as usize] += weight * radiance;
+            }
+        }
+        if self.emission {
+            let shining = seen.points.iter().zip(&seen.viewers);
+            for (&pixel, (point, &v)) in seen.pixel.iter().zip(shining) {
+                band.direct[pixel as usize] += weight * self.tracer.emission(point, v);
+            }
+        }
+        lap.end(&mut stages.resolve);
+    }
+
     /// The nets' light at the visible points, and which nets gave it.
-    fn indirect(
-        &self,
-        work: &mut Work,
-        tile: Tile,
-        weight: f32,
-        band: &mut Band,
-    ) -> Result<(), RenderError> {
+    fn indirect(&self, work: &mut Work, weight: f32, band: &mut Band) -> Result<(), RenderError> {
         let Work {
             seen,
             radiance,
             cells,
+            stages,
             ..
         } = work;
+        let spent = Some(&mut stages.nets);
         self.field
-            .evaluate_lights(&seen.rows, &self.lights, radiance, cells)?;
-        let at = |pixel: u32| tile.in_band(pixel, self.view.width);
+            .evaluate_lights_timed(&seen.rows, &self.lights, radiance, cells, spent)?;
+        let mut lap = Lap::start();
         let [r, g, b] = &*radiance;
-        let rgb = r.iter().zip(g).zip(b);
-        for (&pixel, ((&r, &g), &b)) in seen.pixel.iter().zip(rgb) {
-            band.indirect[at(pixel)] += weight * Vec3::new(r, g, b);
+        let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);
+        for (&pixel, (((&r, &g), &b), material)) in seen.pixel.iter().zip(rgb) {
+            // no net was trained on what sends no light, such as a lamp
+            if !is_black(material) {
+                band.indirect[pixel as usize] += weight * Vec3::new(r, g, b);
+            }
         }
         // Of the pixel's first ray that hit, which comes last here.
         for (&pixel, &cell) in seen.pixel.iter().zip(&*cells).rev() {
-            band.cell[at(pixel)] = cell;
-        }
-        if self.options.negative == Negative::Zero {
-            for pixel in 0..tile.pixels() as u32 {
-                let value = &mut band.indirect[at(pixel)];
-                *value = value.max(Vec3::ZERO);
-            }
+            band.cell[pixel as usize] = cell;
         }
         if let Some(trusted) = self.options.trusted {
             let trust = trusted_under_all(trusted, &seen.rows, &self.lights);
             for (&pixel, trust) in seen.pixel.iter().zip(trust) {
-                band.trust[at(pixel)] += if trust { weight } else { 0.0 };
+                band.trust[pixel as usize] += if trust { weight } else { 0.0 };
             }
         }
+        lap.end(&mut stages.resolve);
         Ok(())
     }
+}
+
+/// Whether a surface reflects nothing.
+fn is_black(material: &Bsdf) -> bool {
+    material.kind == MaterialKind::Lambert && material.base_color == Vec3::ZERO
 }
 
 /// Whether each row is trusted under every one of the lights.

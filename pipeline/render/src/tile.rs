@@ -4,13 +4,14 @@ use crate::view::View;
 use glam::Vec3;
 use rrf_field::columns::{self, Columns};
 use rrf_scene::INVALID;
+use rrf_trace::bsdf::Bsdf;
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
 /// Size of a tile in pixels: its rows and what is computed from them stay in a core's cache,
 /// and its cells have rows enough to fill blocks.
 pub const WIDTH: u32 = 64;
 /// Height of a tile.
-pub const HEIGHT: u32 = 16;
+pub const HEIGHT: u32 = 32;
 
 /// Where camera rays pass, in pixels from the centre of their square (of a sub-square, if a
 /// pixel has several). Not quite through it: symmetric scenes put edges exactly there, and a
@@ -46,13 +47,6 @@ impl Tile {
     pub fn pixels(self) -> usize {
         self.width as usize * self.height as usize
     }
-
-    /// Place of pixel `pixel` of the tile in its band of a picture `width` pixels wide.
-    #[inline(always)]
-    pub fn in_band(self, pixel: u32, width: u32) -> usize {
-        let (row, column) = (pixel / self.width, pixel % self.width);
-        row as usize * width as usize + (self.x + column) as usize
-    }
 }
 
 /// The surface points that a tile's camera rays meet; rays that miss have no row.
@@ -63,75 +57,120 @@ pub struct Visible {
     pub rows: Columns,
     /// Surface point of each row.
     pub points: Vec<SurfacePoint>,
-    /// Pixel of each row, counted within the tile.
+    /// Unit shading normal of each row, on the viewer's side.
+    pub normals: Vec<Vec3>,
+    /// Unit direction to the viewer of each row.
+    pub viewers: Vec<Vec3>,
+    /// Material of each row, textures looked up.
+    pub materials: Vec<Bsdf>,
+    /// Pixel of each row, counted over the tile's band of the picture.
     pub pixel: Vec<u32>,
     rays: Rays,
+    ray_pixel: Vec<u32>,
     hits: Hits,
 }
 
 impl Visible {
     /// Shoots `aa` x `aa` rays a pixel, one through each of its sub-squares.
     pub fn shoot(&mut self, tracer: &Tracer, view: &View, tile: Tile, aa: u32) {
+        self.aim(view, tile, aa);
+        tracer.closest(&self.rays, &mut self.hits);
+    }
+
+    /// The camera rays.
+    fn aim(&mut self, view: &View, tile: Tile, aa: u32) {
         let lens = view.lens();
         let step = 1.0 / aa as f32;
         self.rays.clear();
-        for y in tile.y..tile.y + tile.height {
+        self.ray_pixel.clear();
+        for row in 0..tile.height {
             for x in tile.x..tile.x + tile.width {
+                let (across, down) = (x as f32, (tile.y + row) as f32);
                 for sub in 0..aa * aa {
-                    let across = (sub % aa) as f32 * step + 0.5 * step + OFF_CENTRE[0];
-                    let down = (sub / aa) as f32 * step + 0.5 * step + OFF_CENTRE[1];
-                    let direction = lens.direction(x as f32 + across, y as f32 + down);
+                    let across = across + ((sub % aa) as f32 + 0.5) * step + OFF_CENTRE[0];
+                    let down = down + ((sub / aa) as f32 + 0.5) * step + OFF_CENTRE[1];
+                    let direction = lens.direction(across, down);
                     self.rays.push(view.eye, direction, f32::INFINITY);
+                    self.ray_pixel.push(row * view.width + x);
                 }
             }
         }
-        tracer.closest(&self.rays, &mut self.hits);
-        self.read_hits(tracer, aa);
     }
 
-    /// The rows of the hits.
-    fn read_hits(&mut self, tracer: &Tracer, aa: u32) {
-        let found = self.hits.triangle.iter().filter(|&&t| t != INVALID);
-        let count = found.count();
-        for column in &mut self.rows.columns {
-            column.clear();
-            column.resize(count, 0.0);
-        }
+    /// The rows of what the rays met.
+    pub fn read_hits(&mut self, tracer: &Tracer) {
         self.points.clear();
+        self.normals.clear();
+        self.viewers.clear();
+        self.materials.clear();
         self.pixel.clear();
-        let directions = self.rays.direction.iter();
+        let rays = self.rays.direction.iter().zip(&self.ray_pixel);
         let hits = self.hits.triangle.iter().zip(&self.hits.barycentrics);
-        for (ray, ((&triangle, &barycentrics), &direction)) in (0u32..).zip(hits.zip(directions)) {
+        for ((&direction, &pixel), (&triangle, &barycentrics)) in rays.zip(hits) {
             if triangle == INVALID {
                 continue;
             }
-            let row = self.points.len();
             let point = tracer.point(triangle, barycentrics);
-            let raw = raw(tracer, &point, -direction);
-            for (column, x) in self.rows.columns.iter_mut().zip(raw) {
-                column[row] = x;
-            }
+            let (normal, material) = tracer.shading_at(&point, -direction);
             self.points.push(point);
-            self.pixel.push(ray / (aa * aa));
+            self.normals.push(normal);
+            self.viewers.push(-direction);
+            self.materials.push(material);
+            self.pixel.push(pixel);
         }
+        self.fill_columns();
     }
 
-    /// Unit direction to the viewer of a row.
-    pub fn viewer(&self, row: usize) -> Vec3 {
-        self.rows.vec3(columns::V, row).into()
+    /// The raw columns, from the rows.
+    fn fill_columns(&mut self) {
+        let columns = &mut self.rows.columns;
+        for axis in 0..3 {
+            let of = |v: Vec3| v.to_array()[axis];
+            let points = self.points.iter().map(|p| of(p.position));
+            refill(&mut columns[columns::P + axis], points);
+            let normals = self.normals.iter().map(|&n| of(n));
+            refill(&mut columns[columns::N + axis], normals);
+            let viewers = self.viewers.iter().map(|&v| of(v));
+            refill(&mut columns[columns::V + axis], viewers);
+            let bases = self.materials.iter().map(|m| of(m.base_color));
+            refill(&mut columns[columns::BASE + axis], bases);
+            let dark = std::iter::repeat_n(0.0, self.points.len());
+            refill(&mut columns[columns::L + axis], dark);
+        }
+        let materials = self.materials.iter();
+        refill(
+            &mut columns[columns::ROUGHNESS],
+            materials.map(|m| m.roughness),
+        );
+        let materials = self.materials.iter();
+        refill(
+            &mut columns[columns::METALLIC],
+            materials.map(|m| m.metallic),
+        );
+        let materials = self.materials.iter();
+        refill(
+            &mut columns[columns::SPECULAR],
+            materials.map(|m| m.specular),
+        );
     }
+}
+
+/// Replaces what a column holds.
+fn refill(column: &mut Vec<f32>, values: impl Iterator<Item = f32>) {
+    column.clear();
+    column.extend(values);
 }
 
 /// The raw columns at a surface point seen from direction `v`, as extraction stores them:
 /// the shading normal on the viewer's side, the material with its textures looked up.
 pub fn raw(tracer: &Tracer, point: &SurfacePoint, v: Vec3) -> [f32; columns::COUNT] {
     let mut raw = [0.0; columns::COUNT];
-    let material = tracer.material_at(point);
+    let (normal, material) = tracer.shading_at(point, v);
     let mut put = |first: usize, value: Vec3| {
         raw[first..first + 3].copy_from_slice(&value.to_array());
     };
     put(columns::P, point.position);
-    put(columns::N, tracer.normal_at(point, v));
+    put(columns::N, normal);
     put(columns::V, v);
     put(columns::BASE, material.base_color);
     raw[columns::ROUGHNESS] = material.roughness;

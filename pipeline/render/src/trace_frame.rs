@@ -5,6 +5,7 @@ use crate::direct::Direct;
 use crate::error::RenderError;
 use crate::facts;
 use crate::frame::{Frame, luminance};
+use crate::stages::Stages;
 use crate::tile::{Tile, Visible};
 use crate::view::{Lights, View};
 use glam::Vec3;
@@ -91,7 +92,8 @@ fn trace_row(
     };
     let mut seen = Visible::default();
     seen.shoot(tracer, view, tile, aa);
-    let viewers: Vec<Vec3> = (0..seen.points.len()).map(|r| seen.viewer(r)).collect();
+    seen.read_hits(tracer);
+    let viewers = &seen.viewers;
     let black = || vec![Vec3::ZERO; tile.pixels()];
     let mut row = [[black(), black()], [black(), black()]];
     let weight = 1.0 / (aa * aa) as f32;
@@ -102,7 +104,7 @@ fn trace_row(
     };
 
     let mut exact = Direct::default();
-    exact.point_lights(tracer, &seen, &lights.points);
+    exact.point_lights(tracer, &seen, &lights.points, &mut Stages::default());
     // every ray of the frame has its own index in a light's stream
     let first = u64::from(y) * u64::from(view.width) * u64::from(aa * aa);
     for half in 0..2 {
@@ -112,7 +114,7 @@ fn trace_row(
         let places = vec![light.position; viewers.len()];
         let queries = Queries {
             points: &seen.points,
-            viewers: &viewers,
+            viewers,
             lights: &places,
         };
         let stream = Stream::new(seed, STAGE_FRAME, k);
@@ -135,7 +137,7 @@ fn trace_row(
             let estimates = lamp_light(
                 tracer,
                 &seen.points,
-                &viewers,
+                viewers,
                 reflections,
                 sampling,
                 stream,
@@ -145,7 +147,7 @@ fn trace_row(
                 add(part, half, &mut of_half(&estimates, half));
             }
         }
-        let shining = seen.points.iter().zip(&viewers);
+        let shining = seen.points.iter().zip(viewers);
         let shining: Vec<Vec3> = shining.map(|(p, &v)| tracer.emission(p, v)).collect();
         for half in 0..2 {
             add(0, half, &mut shining.iter().copied());

@@ -9,8 +9,8 @@ use rrf_field::model::CellModel;
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_render::{
-    Frame, Lights, Negative, OFF_CENTRE, Part, RenderError, RenderOptions, View, render,
-    trace_frame,
+    Frame, Lights, Negative, OFF_CENTRE, Part, RenderError, RenderOptions, View, luminance, render,
+    trace_frame, trace_untrusted,
 };
 use rrf_scene::{AreaLight, INVALID, Material, MaterialKind, PointLight, Scene};
 use rrf_trace::Tracer;
@@ -92,6 +92,7 @@ fn linear_field() -> Field {
         output_scale: [1.0; 3],
         output_offset: [0.0; 3],
         divide_base: false,
+        exponential: false,
     };
     Field::new(tree, vec![model(0, 0.0), model(1, 10.0)]).unwrap()
 }
@@ -340,4 +341,47 @@ fn pixels_on_edges_are_lit() {
             at(i)
         );
     }
+}
+
+/// Trusted pixels stay to the bit; the others' mean is that of a path-traced frame. The
+/// difference of two traced frames tells the standard error; 4.9 of them is 1e-6.
+#[test]
+fn untrusted_pixels_are_path_traced() {
+    let scene = floor(true);
+    let tracer = Tracer::new(&scene).unwrap();
+    let view = above([40, 30]);
+    let lights = lights(vec![point([0.4, 0.3, 1.0], [2.0, 2.0, 2.0])]);
+    let trusted = |rows: &Columns| rows.columns[columns::P].iter().map(|&x| x < 0.0).collect();
+    let options = RenderOptions {
+        trusted: Some(&trusted),
+        ..RenderOptions::default()
+    };
+    let nets = render(&tracer, &linear_field(), &view, &lights, &options).unwrap();
+    let fall_back = |threads| {
+        let mut frame = nets.clone();
+        let traced = on_threads(threads, || {
+            trace_untrusted(&tracer, &view, &lights, &mut frame, 64, 1, 7)
+        });
+        (traced.unwrap(), frame)
+    };
+    let (count, mixed) = fall_back(1);
+    assert_eq!((count, &mixed), (fall_back(2).0, &fall_back(2).1));
+    let reference = |seed| trace_frame(&tracer, &view, &lights, 64, 1, seed, &|_| ()).unwrap();
+    let (one, two) = (reference(1), reference(2));
+    let layer = |frame: &Frame, i: usize| f64::from(luminance(frame.indirect.as_ref().unwrap()[i]));
+    let (mut apart, mut variance, mut untrusted) = (0.0, 0.0, 0);
+    for i in 0..nets.full.len() {
+        if nets.trust.as_ref().unwrap()[i] == 1.0 {
+            assert_eq!(mixed.full[i], nets.full[i]);
+            continue;
+        }
+        untrusted += usize::from(mixed.cell.as_ref().unwrap()[i] == u32::MAX);
+        apart += layer(&mixed, i) - 0.5 * (layer(&one, i) + layer(&two, i));
+        // of one frame half the squared difference, of the mean of two a quarter
+        variance += 0.75 * (layer(&one, i) - layer(&two, i)).powi(2);
+        let parts = mixed.direct.as_ref().unwrap()[i] + mixed.indirect.as_ref().unwrap()[i];
+        assert!((parts - mixed.full[i]).abs().max_element() < 1e-4 * (1.0 + parts.max_element()));
+    }
+    assert!(count > 100 && untrusted >= count && variance > 0.0);
+    assert!(apart.abs() < 4.9 * variance.sqrt(), "{apart} {variance}");
 }

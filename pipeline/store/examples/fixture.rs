@@ -136,7 +136,12 @@ fn evaluate(model: &CellModel, rows: &Columns) -> Vec<[f64; 3]> {
         let y = rrf_field::net::evaluate(&model.shape, &weights, &scaled(row));
         let base = rows.vec3(rrf_field::columns::BASE, row);
         std::array::from_fn(|c| {
-            let y = y[c] * f64::from(model.output_scale[c]) + f64::from(model.output_offset[c]);
+            let y = if model.exponential {
+                y[c].min(f64::from(rrf_field::MAX_EXPONENT)).exp()
+            } else {
+                y[c]
+            };
+            let y = y * f64::from(model.output_scale[c]) + f64::from(model.output_offset[c]);
             if model.divide_base {
                 y * f64::from(base[c])
             } else {

@@ -2,6 +2,9 @@
 
 use crate::atomic::io_error;
 use crate::error::StoreError;
+use std::ffi::OsStr;
+use std::fs::DirEntry;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// The dataset's folder; nothing but Parquet parts is ever in it.
@@ -29,6 +32,21 @@ pub fn model_folder(run: &Path) -> PathBuf {
     run.join("model")
 }
 
+/// What one round of a bake was asked and made, outside the model's tables.
+pub fn round_folder(run: &Path, round: u32) -> PathBuf {
+    run.join("rounds").join(format!("{round:03}"))
+}
+
+/// The table of one round's tasks.
+pub fn task_table_path(run: &Path, round: u32) -> PathBuf {
+    round_folder(run, round).join("tasks.parquet")
+}
+
+/// One cell's fit of one round.
+pub fn fit_folder(run: &Path, round: u32, cell: u32) -> PathBuf {
+    round_folder(run, round).join(format!("fits/cell={cell:06}"))
+}
+
 /// Cells that have a folder, ascending.
 ///
 /// # Errors
@@ -51,28 +69,77 @@ pub fn list_parts(run: &Path, cell: u32) -> Result<Vec<u32>, StoreError> {
     })
 }
 
-/// Removes what killed writers left in `staging/`. Only while no other process writes the run.
+/// Removes what killed writers left: unfinished files in `staging/` and, named `.NAME.N.tmp`,
+/// beside the files that they would have become. A writer still at work fails and can be tried
+/// again; no file that a reader knows is touched.
 ///
 /// # Errors
 /// [`StoreError::Io`].
-pub fn clean_staging(run: &Path) -> Result<(), StoreError> {
-    let folder = staging_folder(run);
-    match std::fs::remove_dir_all(&folder) {
-        Ok(()) => Ok(()),
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        Err(e) => Err(io_error(&folder, "empty", e)),
+pub fn remove_unfinished(run: &Path) -> Result<(), StoreError> {
+    remove_files(&staging_folder(run), &|name| name.ends_with(".tmp"))?;
+    let hidden = |name: &str| name.starts_with('.') && is_temporary(name);
+    for entry in entries(run)? {
+        if entry.file_name() == *OsStr::new("samples") {
+            continue;
+        }
+        match is_folder(&entry)? {
+            true => remove_files(&entry.path(), &hidden)?,
+            false => remove_if(&entry, &hidden)?,
+        }
+    }
+    Ok(())
+}
+
+/// Whether a name is one that [`crate::atomic`] stages under: `NAME.N.tmp`.
+fn is_temporary(name: &str) -> bool {
+    let number = name.strip_suffix(".tmp").and_then(|n| n.rsplit_once('.'));
+    number.is_some_and(|(_, n)| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+}
+
+fn remove_files(folder: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<(), StoreError> {
+    for entry in entries(folder)? {
+        match is_folder(&entry)? {
+            true => remove_files(&entry.path(), wanted)?,
+            false => remove_if(&entry, wanted)?,
+        }
+    }
+    Ok(())
+}
+
+fn remove_if(entry: &DirEntry, wanted: &dyn Fn(&str) -> bool) -> Result<(), StoreError> {
+    if !entry.file_name().to_str().is_some_and(wanted) {
+        return Ok(());
+    }
+    match std::fs::remove_file(entry.path()) {
+        Err(e) if e.kind() != ErrorKind::NotFound => Err(io_error(&entry.path(), "remove", e)),
+        _ => Ok(()),
+    }
+}
+
+/// Links are not followed.
+fn is_folder(entry: &DirEntry) -> Result<bool, StoreError> {
+    match entry.file_type() {
+        Ok(kind) => Ok(kind.is_dir()),
+        // another process was faster
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(false),
+        Err(e) => Err(io_error(&entry.path(), "read", e)),
+    }
+}
+
+/// What lies in a folder; nothing, where there is none.
+fn entries(folder: &Path) -> Result<Vec<DirEntry>, StoreError> {
+    match std::fs::read_dir(folder) {
+        Ok(found) => found
+            .collect::<Result<_, _>>()
+            .map_err(|e| io_error(folder, "read", e)),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(Vec::new()),
+        Err(e) => Err(io_error(folder, "read", e)),
     }
 }
 
 fn list(folder: &Path, parse: impl Fn(&str) -> Option<u32>) -> Result<Vec<u32>, StoreError> {
-    let entries = match std::fs::read_dir(folder) {
-        Ok(entries) => entries,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(e) => return Err(io_error(folder, "read", e)),
-    };
     let mut numbers = Vec::new();
-    for entry in entries {
-        let entry = entry.map_err(|e| io_error(folder, "read", e))?;
+    for entry in entries(folder)? {
         match entry.file_name().to_str().and_then(&parse) {
             Some(number) => numbers.push(number),
             None => return Err(StoreError::Stray { path: entry.path() }),

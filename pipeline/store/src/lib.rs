@@ -53,5 +53,6 @@ pub mod points;
 mod points_check;
 pub mod samples;
 pub mod schema;
+pub mod task_table;
 
 pub use error::StoreError;

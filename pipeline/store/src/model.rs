@@ -4,11 +4,13 @@
 //! Scene hash and seed are in their schema metadata. What is read back is checked as a whole:
 //! lengths, ids, finite numbers, a tree that ends, a net for every leaf.
 
+mod fit;
 mod lists;
 mod metrics;
 mod tree;
 mod weights;
 
+pub use fit::{Fit, fit_task, read_fit, write_fit};
 pub use metrics::{CellMetrics, SquareError};
 pub use tree::{Domain, ModelTree};
 
@@ -42,12 +44,8 @@ pub struct Model {
 /// # Errors
 /// [`StoreError::Model`] for what could not be read back, [`StoreError::Io`].
 pub fn write_tree(run: &Path, tree: &ModelTree, facts: &RunFacts) -> Result<(), StoreError> {
-    write(
-        run,
-        Table::Tree,
-        tree.to_batch(&path(run, Table::Tree))?,
-        facts,
-    )
+    let path = path(run, Table::Tree);
+    write(&path, Table::Tree, tree.to_batch(&path)?, facts)
 }
 
 /// Reads the tree.
@@ -68,8 +66,13 @@ pub fn read_tree(run: &Path, facts: &RunFacts) -> Result<ModelTree, StoreError> 
 /// # Errors
 /// [`StoreError::Model`] for what could not be read back, [`StoreError::Io`].
 pub fn write_weights(run: &Path, cells: &[CellModel], facts: &RunFacts) -> Result<(), StoreError> {
-    let batch = weights::to_batch(cells, &path(run, Table::Weights))?;
-    write(run, Table::Weights, batch, facts)
+    let path = path(run, Table::Weights);
+    write(
+        &path,
+        Table::Weights,
+        weights::to_batch(cells, &path)?,
+        facts,
+    )
 }
 
 /// Reads the nets, by ascending cell id.
@@ -91,7 +94,8 @@ pub fn write_metrics(
     cells: &[CellMetrics],
     facts: &RunFacts,
 ) -> Result<(), StoreError> {
-    write(run, Table::Metrics, metrics::to_batch(cells)?, facts)
+    let path = path(run, Table::Metrics);
+    write(&path, Table::Metrics, metrics::to_batch(cells)?, facts)
 }
 
 /// Reads how the fits went, by ascending cell id.
@@ -148,18 +152,20 @@ fn source(path: &Path, table: Table) -> Source<'_> {
 }
 
 fn write(
-    run: &Path,
+    path: &Path,
     table: Table,
     mut batch: RecordBatch,
     facts: &RunFacts,
 ) -> Result<(), StoreError> {
-    create_folder(&model_folder(run))?;
+    if let Some(folder) = path.parent() {
+        create_folder(folder)?;
+    }
     let content = ContentHash::of(&batch)?;
     let metadata = batch.schema_metadata_mut();
     metadata.insert(KEY_SCENE.to_string(), facts.scene_hash.clone());
     metadata.insert(KEY_SEED.to_string(), facts.seed.to_string());
     metadata.insert(KEY_CONTENT.to_string(), content);
-    arrow_file::write(&path(run, table), table.name(), &batch)
+    arrow_file::write(path, table.name(), &batch)
 }
 
 fn read(path: &Path, table: Table, facts: &RunFacts) -> Result<RecordBatch, StoreError> {

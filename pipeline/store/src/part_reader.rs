@@ -6,7 +6,7 @@ use crate::error::StoreError;
 use crate::guard::Limits;
 use crate::manifest::RunFacts;
 use crate::parquet_file::{self, Batches};
-use crate::parts::{KEY_CELL, KEY_CONTENT, KEY_PART, KEY_SCENE, KEY_SEED};
+use crate::parts::{KEY_CELL, KEY_CONTENT, KEY_PART, KEY_SCENE, KEY_SEED, KEY_TASK};
 use crate::samples::CELL_ID;
 use crate::schema::{self, Table};
 use arrow::array::RecordBatch;
@@ -23,6 +23,7 @@ pub struct PartReader {
     cell: u32,
     batches: Batches,
     content: Option<(ContentHash, String)>,
+    task: String,
 }
 
 impl PartReader {
@@ -55,6 +56,7 @@ impl PartReader {
         Ok(PartReader {
             path: path.into(),
             cell,
+            task: fact(KEY_TASK),
             content: Some((ContentHash::new(&found), fact(KEY_CONTENT))),
             batches,
         })
@@ -63,6 +65,11 @@ impl PartReader {
     /// Rows that the file says it has.
     pub fn rows(&self) -> usize {
         self.batches.rows()
+    }
+
+    /// Hash of what the part was made from, empty where the file does not say.
+    pub fn task(&self) -> String {
+        self.task.clone()
     }
 
     fn check(&mut self, batch: &RecordBatch) -> Result<(), StoreError> {

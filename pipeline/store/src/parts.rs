@@ -3,7 +3,7 @@
 //! A part's bytes depend on its rows, its place and the run's facts only. It is made in memory,
 //! staged in `staging/` and renamed, so that `samples/` never holds anything unfinished.
 
-use crate::atomic::{atomic_write_from, create_folder};
+use crate::atomic::{atomic_write_from, create_folder, io_error};
 use crate::content::ContentHash;
 use crate::error::StoreError;
 use crate::layout;
@@ -27,6 +27,7 @@ const ROW_GROUP: usize = 65_536;
 
 pub(crate) const KEY_SCENE: &str = "rrf.scene_hash";
 pub(crate) const KEY_SEED: &str = "rrf.seed";
+pub(crate) const KEY_TASK: &str = "rrf.task";
 pub(crate) const KEY_CELL: &str = "rrf.cell";
 pub(crate) const KEY_PART: &str = "rrf.part";
 pub(crate) const KEY_CONTENT: &str = "rrf.content_hash";
@@ -63,8 +64,22 @@ pub fn write_part(
     table: &SampleTable,
     facts: &RunFacts,
 ) -> Result<PartInfo, StoreError> {
+    write_part_of(run, part, table, facts, "")
+}
+
+/// [`write_part`], with what the part was made from as a hash (see [`part_task`]).
+///
+/// # Errors
+/// As [`write_part`].
+pub fn write_part_of(
+    run: &Path,
+    part: u32,
+    table: &SampleTable,
+    facts: &RunFacts,
+    task: &str,
+) -> Result<PartInfo, StoreError> {
     let cell = table.cell_id;
-    let bytes = encode_part(part, table, facts)?;
+    let bytes = encode_part_of(part, table, facts, task)?;
     let path = layout::part_path(run, cell, part);
     let staging = layout::staging_folder(run);
     create_folder(&staging)?;
@@ -88,6 +103,15 @@ pub fn encode_part(
     table: &SampleTable,
     facts: &RunFacts,
 ) -> Result<Vec<u8>, StoreError> {
+    encode_part_of(part, table, facts, "")
+}
+
+fn encode_part_of(
+    part: u32,
+    table: &SampleTable,
+    facts: &RunFacts,
+    task: &str,
+) -> Result<Vec<u8>, StoreError> {
     let batch = table.to_batch()?;
     let schema = schema::table(Table::Samples)?;
     let metadata = [
@@ -97,6 +121,7 @@ pub fn encode_part(
         (KEY_SEED, facts.seed.to_string()),
         (KEY_CELL, table.cell_id.to_string()),
         (KEY_PART, part.to_string()),
+        (KEY_TASK, task.to_string()),
         (KEY_CONTENT, ContentHash::of(&batch)?),
     ]
     .map(|(key, value)| KeyValue::new(key.to_string(), value));
@@ -171,6 +196,41 @@ pub fn read_part(
     };
     read_part_into(run, cell, part, facts, &mut table)?;
     Ok(table)
+}
+
+/// What a part was made from: the hash given to [`write_part_of`], empty where none was; `None`
+/// without the part.
+///
+/// # Errors
+/// Whatever [`PartReader`] finds when it opens the part.
+pub fn part_task(
+    run: &Path,
+    cell: u32,
+    part: u32,
+    facts: &RunFacts,
+) -> Result<Option<String>, StoreError> {
+    let path = layout::part_path(run, cell, part);
+    if !path.exists() {
+        return Ok(None);
+    }
+    Ok(Some(PartReader::open(&path, cell, part, facts)?.task()))
+}
+
+/// Removes parts that nothing needs any more, and their cell's folder when it is then empty.
+///
+/// # Errors
+/// [`StoreError::Io`]; a part that is gone already is none.
+pub fn remove_part(run: &Path, cell: u32, part: u32) -> Result<(), StoreError> {
+    let path = layout::part_path(run, cell, part);
+    match std::fs::remove_file(&path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            return Err(io_error(&path, "remove", e));
+        }
+        _ => {}
+    }
+    // Refused while parts are left, which is what is wanted.
+    let _ = std::fs::remove_dir(layout::cell_folder(run, cell));
+    Ok(())
 }
 
 fn read_part_into(

@@ -181,7 +181,8 @@ fn with_columns(
     RecordBatch::try_new(schema, arrays).map_err(|e| fail(e.to_string()))
 }
 
-fn encode(batch: &RecordBatch) -> Result<Vec<u8>, ParquetError> {
+/// One batch as Parquet, the schema's metadata with it.
+pub(crate) fn encode(batch: &RecordBatch) -> Result<Vec<u8>, ParquetError> {
     let metadata = batch.schema_ref().metadata().iter();
     let metadata = metadata.map(|(key, value)| KeyValue::new(key.clone(), value.clone()));
     let properties = WriterProperties::builder()

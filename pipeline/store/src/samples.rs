@@ -50,6 +50,19 @@ impl SampleTable {
         std::array::from_fn(|c| 0.5 * (self.halves[0][row][c] + self.halves[1][row][c]))
     }
 
+    /// Appends the rows of another table.
+    pub fn extend(&mut self, other: &SampleTable) {
+        self.index.extend_from_slice(&other.index);
+        for (column, more) in self.columns.columns.iter_mut().zip(&other.columns.columns) {
+            column.extend_from_slice(more);
+        }
+        self.material.extend_from_slice(&other.material);
+        for (half, more) in self.halves.iter_mut().zip(&other.halves) {
+            half.extend_from_slice(more);
+        }
+        self.paths.extend_from_slice(&other.paths);
+    }
+
     /// How many rows hold a value that is not finite.
     pub fn not_finite_rows(&self) -> usize {
         let mut bad = vec![false; self.len()];

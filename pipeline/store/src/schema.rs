@@ -35,12 +35,14 @@ pub enum Table {
     Truth,
     /// Queries with the model's radiance.
     Answers,
+    /// Tasks of a round, `rounds/000/tasks.parquet`.
+    Tasks,
     /// Runs of a sweep.
     Results,
 }
 
 /// Every table.
-pub const TABLES: [Table; 8] = [
+pub const TABLES: [Table; 9] = [
     Table::Samples,
     Table::Tree,
     Table::Weights,
@@ -48,6 +50,7 @@ pub const TABLES: [Table; 8] = [
     Table::Points,
     Table::Truth,
     Table::Answers,
+    Table::Tasks,
     Table::Results,
 ];
 
@@ -62,6 +65,7 @@ impl Table {
             Table::Points => "points",
             Table::Truth => "truth",
             Table::Answers => "answers",
+            Table::Tasks => "tasks",
             Table::Results => "results",
         }
     }
@@ -76,6 +80,7 @@ impl Table {
             Table::Points => include_str!("../../../schemas/points.toml"),
             Table::Truth => include_str!("../../../schemas/truth.toml"),
             Table::Answers => include_str!("../../../schemas/answers.toml"),
+            Table::Tasks => include_str!("../../../schemas/tasks.toml"),
             Table::Results => include_str!("../../../schemas/results.toml"),
         }
     }

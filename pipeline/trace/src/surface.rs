@@ -126,6 +126,13 @@ impl Tracer<'_> {
             .bsdf
     }
 
+    /// [`Tracer::normal_at`] and [`Tracer::material_at`] in one look-up.
+    #[inline]
+    pub fn shading_at(&self, point: &SurfacePoint, v: Vec3) -> (Vec3, Bsdf) {
+        let vertex = self.vertex(point.triangle, point.barycentrics, v);
+        (vertex.shading, vertex.bsdf)
+    }
+
     /// All that shading needs of a point seen from `v`.
     #[inline(always)]
     pub(crate) fn vertex(&self, triangle: u32, barycentrics: [f32; 2], v: Vec3) -> Vertex {

@@ -52,7 +52,7 @@ impl<'a> Cell<'a> {
         } else {
             &train_ids
         };
-        let output = prepare::scale_outputs(&samples, ids, floor, divide);
+        let output = prepare::scale_outputs(&samples, ids, floor, divide, config.exponential);
         let memory = |ids: &[u32]| MemoryRows::new(&samples, ids, &inputs, &output, divide);
         let noise = prepare::noise(&samples, ids, floor);
         let loss = if config.relative {

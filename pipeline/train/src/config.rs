@@ -81,6 +81,10 @@ pub struct TrainConfig {
     /// Divide the target by the base colour (Lambert cells: outgoing radiance is proportional
     /// to it). Channels of base colour 0 are left out of the loss.
     pub divide_base: bool,
+    /// The net's outputs are exponents: y = scale exp(out). Radiance spans orders of magnitude
+    /// and is a product of distances, cosines and reflectances; its logarithm is what a small
+    /// net fits well. The loss stays in radiance: neither targets nor noise pass a logarithm.
+    pub exponential: bool,
     /// Relative loss (see [`crate::problem::Loss`]); otherwise squared radiance.
     pub relative: bool,
     /// ε of the relative loss and error, as a share of the mean luminance.
@@ -91,8 +95,8 @@ pub struct TrainConfig {
     pub mode: Mode,
     /// Weight decay.
     pub decay: Decay,
-    /// Nets that start from different first weights; a power of two. The better half goes on at
-    /// each rung.
+    /// Nets that start from different first weights. The best go on from rung to rung, half as many
+    /// at each, one on all rows; without rungs all run to the end.
     pub starts: usize,
     /// Legs on a part of the rows before the one on all: the last on half of them, the one
     /// before on a quarter, and so on.
@@ -133,13 +137,14 @@ impl Default for TrainConfig {
             size: Size::Hidden(vec![20, 10]),
             prune: None,
             divide_base: false,
+            exponential: false,
             relative: true,
             epsilon: 0.05,
             mean_luminance: None,
             mode: Mode::Local,
             decay: Decay::Evidence(1e-6),
             starts: 1,
-            rungs: 0,
+            rungs: 2,
             rung_steps: 5,
             iterations: 60,
             patience: 6,

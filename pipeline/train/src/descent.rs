@@ -84,13 +84,14 @@ impl<'a> Descent<'a> {
             .train
             .first((cell.train.len() as f64 * leg.share).ceil() as usize);
         let residuals = rows.residuals().max(1);
-        let mut problem = NetProblem::new(&self.shape, rows, residuals, cell.loss);
+        let mut problem = NetProblem::new(&self.shape, rows, residuals, cell.loss)
+            .exponential(cell.config.exponential);
         let mut judge = Judge::choosing(cell, &self.shape, leg.share);
         self.w.clone_from(&self.best);
         let first_run = self.residuals == 0.0;
         if first_run {
             // Where it has no answer the output layer stays at zero: the mean, a valid start.
-            self.w[problem.linear()].fill(0.0);
+            self.w[problem.output_layer()].fill(0.0);
             problem.project(&mut self.w, self.alpha * residuals as f64);
             self.best.clone_from(&self.w);
         } else {

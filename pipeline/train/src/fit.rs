@@ -118,6 +118,20 @@ pub fn fit_cell(
     Ok(fit)
 }
 
+/// Whether the mean alone reaches the error sought: the smallest model of all.
+fn constant_suffices(prepared: &Cell) -> bool {
+    let Size::Smallest { target } = prepared.config.size else {
+        return false;
+    };
+    // A linear net of zeros answers with the mean; the second judgement divides by it.
+    let shape = prepared.shape(&[]);
+    let zeros = vec![0.0; shape.weights()];
+    let mut judge = Judge::choosing(prepared, &shape, 1.0);
+    let share = prepared.loss.target_share(judge.error(&zeros).square);
+    judge.renew(&zeros, share);
+    judge.error(&zeros).square <= target * target
+}
+
 /// The weighted mean as a model without inputs.
 fn constant(cell: u32, prepared: Cell, stop: Stop) -> CellFit {
     let prepared = prepared.without_inputs();
@@ -136,6 +150,11 @@ fn constant(cell: u32, prepared: Cell, stop: Stop) -> CellFit {
 }
 
 fn train(cell: u32, mut prepared: Cell) -> CellFit {
+    if constant_suffices(&prepared) {
+        let unused = prepared.inputs.iter().map(|input| input.id);
+        prepared.report.dropped_inputs.extend(unused);
+        return constant(cell, prepared, Stop::Target);
+    }
     let (mut ended, history) = match prepared.config.mode {
         Mode::Local => match local(&prepared) {
             Some(found) => found,
@@ -267,6 +286,7 @@ fn finish(cell: u32, prepared: Cell, ended: Ended) -> CellFit {
         output_scale: prepared.output.scale,
         output_offset: prepared.output.offset,
         divide_base: prepared.config.divide_base,
+        exponential: prepared.config.exponential,
     };
     CellFit {
         model,

@@ -53,7 +53,8 @@ impl<'a> Judge<'a> {
             .collect();
         let residuals = ids.len() * CHANNELS;
         Judge {
-            problem: NetProblem::new(shape, rows.first(ids.len()), residuals, cell.loss),
+            problem: NetProblem::new(shape, rows.first(ids.len()), residuals, cell.loss)
+                .exponential(cell.config.exponential),
             cell,
             ids,
             divisor,

@@ -6,9 +6,11 @@
 //! - [`tile`] runs a net over 128 rows at a time, [`blocks`] sums JᵀWJ from them without ever
 //!   forming J, on one matrix kernel ([`gemm`]) and a vectorised tanh ([`simd`]);
 //! - [`lm`] takes damped steps on any [`lm::Problem`], [`linalg`] factors;
-//!   Other people's problems come in through [`dense`];
+//!   other people's problems come in through [`dense`];
 //! - [`problem`] makes a net and its relative loss such a problem;
+//! - [`rows`] holds the rows in memory, [`streamed`] reads them again at each pass;
 //! - [`halves`] tells errors without Monte Carlo noise;
+//! - [`quadratic`] says where a cell is best cut in two;
 //! - [`fit`] puts it together: [`fit::fit_cell`].
 //!
 //! One net runs on one thread; train cells in parallel.
@@ -27,15 +29,19 @@ pub mod fit;
 pub mod gemm;
 pub mod halves;
 mod judge;
+mod levenberg;
 pub mod linalg;
 pub mod lm;
 pub mod online;
 pub mod prepare;
 pub mod problem;
+mod products;
 mod prune;
+pub mod quadratic;
 pub mod rows;
 mod search;
 pub mod simd;
+pub mod streamed;
 pub mod tile;
 
 pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};

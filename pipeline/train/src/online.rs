@@ -93,7 +93,8 @@ pub(crate) fn train(cell: &Cell, shape: &Shape, batches: Batches) -> Online {
         let residuals = part.residuals().max(1);
         let alpha = cell.config.decay.start() * residuals as f64;
         let mut problem = Remembered {
-            batch: NetProblem::new(shape, part, residuals, cell.loss),
+            batch: NetProblem::new(shape, part, residuals, cell.loss)
+                .exponential(cell.config.exponential),
             memory,
             origin: w.clone(),
         };

@@ -196,8 +196,14 @@ pub struct OutputScale {
 }
 
 /// Mean and standard deviation of the targets over `rows`, each row weighted by
-/// 1 / max(luminance, floor)².
-pub fn scale_outputs(samples: &Samples, rows: &[u32], floor: f64, divide: bool) -> OutputScale {
+/// 1 / max(luminance, floor)²; for `exponential` outputs the mean as scale and no offset.
+pub fn scale_outputs(
+    samples: &Samples,
+    rows: &[u32],
+    floor: f64,
+    divide: bool,
+    exponential: bool,
+) -> OutputScale {
     let mut out = OutputScale {
         scale: [1.0; CHANNELS],
         offset: [0.0; CHANNELS],
@@ -213,16 +219,21 @@ pub fn scale_outputs(samples: &Samples, rows: &[u32], floor: f64, divide: bool) 
             .filter(|(weight, _)| *weight > 0.0)
             .collect();
         let weight: f64 = values.iter().map(|(w, _)| w * w).sum();
+        out.scale[c] = if exponential { 0.0 } else { 1.0 };
         if weight == 0.0 || !weight.is_finite() {
             continue;
         }
         let mean = values.iter().map(|(w, y)| w * w * y).sum::<f64>() / weight;
         let spread: f64 = values.iter().map(|(w, y)| (w * (y - mean)).powi(2)).sum();
         let deviation = (spread / weight).sqrt();
-        out.offset[c] = mean as f32;
-        if deviation > 1e-7 * mean.abs() && (deviation as f32).is_normal() {
-            out.scale[c] = deviation as f32;
-            out.constant = false;
+        let varies = deviation > 1e-7 * mean.abs() && (deviation as f32).is_normal();
+        out.constant &= !varies;
+        if exponential {
+            // A channel without light gets scale 0, which takes it out of the fit.
+            out.scale[c] = mean.max(0.0) as f32;
+        } else {
+            out.offset[c] = mean as f32;
+            out.scale[c] = if varies { deviation as f32 } else { 1.0 };
         }
     }
     out

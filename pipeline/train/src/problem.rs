@@ -70,6 +70,8 @@ pub struct NetProblem<R: Rows> {
     residuals: f64,
     /// No divisor has been set yet.
     fresh: bool,
+    /// The outputs are exponentials: no parameter is linear.
+    exponential: bool,
 }
 
 impl<R: Rows> NetProblem<R> {
@@ -91,8 +93,21 @@ impl<R: Rows> NetProblem<R> {
             parameters: shape.weights(),
             share: 1.0,
             fresh: true,
+            exponential: false,
             residuals: residuals.max(1) as f64,
         }
+    }
+
+    /// The same with outputs that are exponentials, or not.
+    pub fn exponential(mut self, exponential: bool) -> NetProblem<R> {
+        self.exponential = exponential;
+        self.tile.set_exponential(exponential);
+        self
+    }
+
+    /// The output layer's weights.
+    pub fn output_layer(&self) -> std::ops::Range<usize> {
+        self.parameters - self.output.n..self.parameters
     }
 
     /// ω of [`Loss::Relative`] in the next linearisation.
@@ -140,10 +155,16 @@ impl<R: Rows> NetProblem<R> {
 
 impl<R: Rows> Problem for NetProblem<R> {
     fn linear(&self) -> std::ops::Range<usize> {
-        self.parameters - self.output.n..self.parameters
+        if self.exponential {
+            return 0..0;
+        }
+        self.output_layer()
     }
 
     fn project(&mut self, w: &mut [f64], alpha: f64) -> bool {
+        if self.exponential {
+            return false;
+        }
         self.output_sums.clear();
         for first in (0..self.rows.len()).step_by(TILE) {
             self.load(first);
@@ -202,6 +223,9 @@ impl<R: Rows> Problem for NetProblem<R> {
     }
 
     fn curvature(&mut self, w: &[f64], v: &[f64], out: &mut [f64]) -> bool {
+        if self.exponential {
+            return false;
+        }
         self.gradient_sums.clear();
         for first in (0..self.rows.len()).step_by(TILE) {
             self.load(first);

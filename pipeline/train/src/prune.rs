@@ -114,7 +114,9 @@ fn cheapest(cell: &Cell, net: &Net) -> Option<Vec<(Column, Vec<f64>)>> {
     let residuals = rows.residuals().max(1);
     let mut normal = Normal::zeros(net.weights.len());
     let n = normal.n;
-    NetProblem::new(&net.shape, rows, residuals, cell.loss).linearise(&net.weights, &mut normal);
+    NetProblem::new(&net.shape, rows, residuals, cell.loss)
+        .exponential(cell.config.exponential)
+        .linearise(&net.weights, &mut normal);
     let mut factor = Cholesky::default();
     let decay = net.alpha * residuals as f64;
     let top = (0..n).map(|i| normal.matrix[i * n + i]).fold(0.0, f64::max);

@@ -25,6 +25,10 @@ fn rungs(config: &TrainConfig, rows: usize, weights: usize) -> Vec<(f64, usize)>
         (share, starts) = (share * 0.5, (starts * 2).min(config.starts.max(1)));
     }
     rungs.reverse();
+    // Where rows allow fewer rungs than halvings, the first one halves more than once.
+    if let Some(first) = rungs.first_mut() {
+        first.1 = config.starts.max(1);
+    }
     rungs
 }
 

@@ -40,6 +40,13 @@ pub(crate) fn tanh_slice<const FMA: bool>(values: &mut [f64]) {
     }
 }
 
+/// exp of every entry, at most `rrf_field::MAX_EXPONENT`; NaN stays NaN.
+pub fn exponential(values: &mut [f64]) {
+    for v in values {
+        *v = v.min(f64::from(rrf_field::MAX_EXPONENT)).exp();
+    }
+}
+
 /// Coefficients 1/k! of expm1, from k = 13 down to k = 2.
 const TAYLOR: [f64; 12] = [
     1.0 / 6_227_020_800.0,

@@ -81,7 +81,9 @@ pub struct Tile {
     pub(crate) hidden: Vec<Vec<Lane>>,
     /// Outputs.
     pub out: [Lane; CHANNELS],
-    /// Square root of the weight of each residual.
+    /// Whether outputs are exponentials of the last layer's sums.
+    exponential: bool,
+    /// Square root of the weight of each residual, times ∂out / ∂(last layer's sum).
     pub(crate) s: [Lane; CHANNELS],
     /// Weighted residuals s (out − target).
     pub(crate) r: [Lane; CHANNELS],
@@ -105,10 +107,16 @@ impl Tile {
             g: room(CHANNELS),
             offsets: shape.offsets(),
             out: [[0.0; TILE]; CHANNELS],
+            exponential: false,
             s: [[0.0; TILE]; CHANNELS],
             r: [[0.0; TILE]; CHANNELS],
             sizes,
         }
+    }
+
+    /// Whether the outputs are exponentials of the last layer's sums from here on.
+    pub fn set_exponential(&mut self, exponential: bool) {
+        self.exponential = exponential;
     }
 
     /// How many hidden layers.
@@ -146,9 +154,13 @@ impl Tile {
             self.hidden.last().unwrap_or(&self.batch.x),
             &mut self.out,
         );
+        if self.exponential {
+            simd::exponential(self.out.as_flattened_mut());
+        }
     }
 
     /// Residuals weighted by gain times `divisor`, one value a row; returns Σ r².
+    /// Leaves in `s` what the derivatives of the last layer's sums are weighted by.
     pub fn residuals(&mut self, divisor: &[f64]) -> f64 {
         let mut sum = 0.0;
         for c in 0..CHANNELS {
@@ -163,6 +175,12 @@ impl Tile {
                 self.r[c][i] = self.s[c][i] * (self.out[c][i] - self.batch.target[c][i]);
             }
             sum += self.r[c].iter().map(|r| r * r).sum::<f64>();
+            if self.exponential {
+                // ∂ exp(z) / ∂z = exp(z)
+                for (s, out) in self.s[c].iter_mut().zip(&self.out[c]) {
+                    *s *= out;
+                }
+            }
         }
         sum
     }

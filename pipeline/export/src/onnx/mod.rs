@@ -12,6 +12,7 @@ use crate::ExportError;
 use format::{Entry, FLOAT, INT64, Model, OperatorSet};
 use graph::{Builder, Value, value_info};
 use prost::Message;
+use rrf_field::MAX_EXPONENT;
 use rrf_field::columns;
 use rrf_field::model::CellModel;
 use rrf_field::tree::{LEAF, Tree};
@@ -206,6 +207,16 @@ fn one_cell(
         if layer + 1 < layers {
             h = g.op("Tanh", &[&h]);
         }
+    }
+    if model.exponential {
+        let most = g.floats(&[], &[rrf_field::MAX_EXPONENT]);
+        h = g.op("Min", &[&h, &most]);
+        h = g.op("Exp", &[&h]);
+    }
+    if model.exponential {
+        let most = g.floats(&[1], &[rrf_field::MAX_EXPONENT]);
+        h = g.op("Min", &[&h, &most]);
+        h = g.op("Exp", &[&h]);
     }
     let scale = g.floats(&[3], &model.output_scale);
     let offset = g.floats(&[3], &model.output_offset);

@@ -80,6 +80,7 @@ pub fn model(cell: u32, inputs: &[u8], hidden: &[usize], numbers: &mut Numbers) 
         output_scale: [0.3, 0.5, 0.7],
         output_offset: [0.1, -0.2, 0.05],
         divide_base: numbers.below(2) == 1,
+        exponential: numbers.below(2) == 1,
     }
 }
 

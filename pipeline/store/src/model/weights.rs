@@ -21,6 +21,7 @@ const WEIGHTS: &str = "weights";
 const OUTPUT_SCALE: &str = "output_scale";
 const OUTPUT_OFFSET: &str = "output_offset";
 const DIVIDE_BASE: &str = "divide_base";
+const EXPONENTIAL: &str = "exponential";
 
 pub(super) fn to_batch(cells: &[CellModel], path: &Path) -> Result<RecordBatch, StoreError> {
     let source = super::source(path, Table::Weights);
@@ -40,6 +41,7 @@ pub(super) fn to_batch(cells: &[CellModel], path: &Path) -> Result<RecordBatch, 
     let layers = lists::numbers::<UInt32Type>(layers.iter().map(|sizes| Some(sizes.as_slice())));
     let ids = UInt32Array::from_iter_values(cells.iter().map(|cell| cell.cell));
     let divide: BooleanArray = cells.iter().map(|cell| Some(cell.divide_base)).collect();
+    let exponential: BooleanArray = cells.iter().map(|cell| Some(cell.exponential)).collect();
     let arrays: BTreeMap<&str, ArrayRef> = BTreeMap::from([
         (CELL_ID, Arc::new(ids) as _),
         (NAMES, lists::names(input_names)),
@@ -50,6 +52,7 @@ pub(super) fn to_batch(cells: &[CellModel], path: &Path) -> Result<RecordBatch, 
         (OUTPUT_SCALE, floats(|cell| &cell.output_scale)),
         (OUTPUT_OFFSET, floats(|cell| &cell.output_offset)),
         (DIVIDE_BASE, Arc::new(divide) as _),
+        (EXPONENTIAL, Arc::new(exponential) as _),
     ]);
     schema::table(Table::Weights)?.batch(arrays)
 }
@@ -72,6 +75,7 @@ struct Rows<'a> {
     cell_id: &'a [u32],
     lists: BTreeMap<&'static str, &'a ListArray>,
     divide_base: &'a BooleanArray,
+    exponential: &'a BooleanArray,
 }
 
 impl<'a> Rows<'a> {
@@ -89,16 +93,12 @@ impl<'a> Rows<'a> {
         for name in names {
             columns.insert(name, lists::column(&source, batch, name)?);
         }
-        let divide_base = source.array(batch, DIVIDE_BASE)?;
-        source.no_null(divide_base, DIVIDE_BASE)?;
-        let divide_base = divide_base
-            .as_boolean_opt()
-            .ok_or_else(|| source.schema_error(format!("column {DIVIDE_BASE}: expected bool")))?;
         Ok(Rows {
             source,
             cell_id: source.values::<UInt32Type>(batch, CELL_ID)?,
             lists: columns,
-            divide_base,
+            divide_base: flags(batch, &source, DIVIDE_BASE)?,
+            exponential: flags(batch, &source, EXPONENTIAL)?,
         })
     }
 
@@ -117,6 +117,7 @@ impl<'a> Rows<'a> {
             output_scale: self.rgb(cell, OUTPUT_SCALE, row)?,
             output_offset: self.rgb(cell, OUTPUT_OFFSET, row)?,
             divide_base: self.divide_base.value(row),
+            exponential: self.exponential.value(row),
         })
     }
 
@@ -157,6 +158,19 @@ impl<'a> Rows<'a> {
         };
         names.iter().map(place).collect()
     }
+}
+
+/// A column of booleans without nulls.
+fn flags<'a>(
+    batch: &'a RecordBatch,
+    source: &Source,
+    name: &'static str,
+) -> Result<&'a BooleanArray, StoreError> {
+    let column = source.array(batch, name)?;
+    source.no_null(column, name)?;
+    column
+        .as_boolean_opt()
+        .ok_or_else(|| source.schema_error(format!("column {name}: expected bool")))
 }
 
 /// Nets that can be evaluated: ids ascend, every length fits the shape, every number is finite.

@@ -3,7 +3,7 @@
 use crate::made;
 use rrf_store::StoreError;
 use rrf_store::atomic::{atomic_write, create_folder};
-use rrf_store::layout::{clean_staging, samples_folder, staging_folder};
+use rrf_store::layout::{remove_unfinished, samples_folder, staging_folder};
 use rrf_store::parts::write_part;
 use std::path::Path;
 use std::process::Command;
@@ -136,11 +136,36 @@ fn a_full_disk_could_be_tried_again() {
 }
 
 #[test]
-fn staging_is_emptied() {
+fn unfinished_files_are_removed_and_no_others() {
     let run = tempfile::tempdir().unwrap();
-    clean_staging(run.path()).unwrap();
-    write_part(run.path(), 0, &made::samples(0, 0, 1), &made::facts()).unwrap();
-    std::fs::write(staging_folder(run.path()).join("left.0.tmp"), b"").unwrap();
-    clean_staging(run.path()).unwrap();
-    assert!(!staging_folder(run.path()).exists());
+    let run = run.path();
+    remove_unfinished(run).unwrap();
+    let small = made::samples(1, 0, 3);
+    write_part(run, 0, &small, &made::facts()).unwrap();
+    let fit = run.join("rounds/000/fits/cell=000001");
+    std::fs::create_dir_all(&fit).unwrap();
+    let kept = [
+        run.join("a.tmp"),
+        run.join("run.json"),
+        fit.join(".hidden"),
+        fit.join(".x.tmp"),
+        fit.join(".y..tmp"),
+        fit.join("weights.arrow"),
+    ];
+    let left = [
+        staging_folder(run).join("cell=000001-part-00000.parquet.0.tmp"),
+        run.join(".run.json.0.tmp"),
+        run.join("rounds/000/.plan.json.12.tmp"),
+        fit.join(".weights.arrow.999.tmp"),
+    ];
+    for path in kept.iter().chain(&left) {
+        std::fs::write(path, b"").unwrap();
+    }
+    remove_unfinished(run).unwrap();
+    kept.iter()
+        .for_each(|path| assert!(path.exists(), "{path:?}"));
+    left.iter()
+        .for_each(|path| assert!(!path.exists(), "{path:?}"));
+    let back = rrf_store::parts::read_part(run, 1, 0, &made::facts()).unwrap();
+    assert_eq!(back, small);
 }

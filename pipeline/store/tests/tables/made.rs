@@ -105,6 +105,7 @@ pub fn cell_model(cell: u32) -> CellModel {
         output_scale: [2.0, 1.5, 0.25],
         output_offset: [0.5, 0.25, 0.125],
         divide_base: cell % 2 == 1,
+        exponential: cell % 3 == 1,
         inputs,
         shape,
     }

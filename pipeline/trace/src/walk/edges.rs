@@ -64,9 +64,12 @@ impl Edges {
     #[inline(always)]
     pub(super) fn meet(&self, line: &Line) -> Meeting {
         let (o, d, m) = (line.origin, line.direction, line.moment);
-        let weights = self.edges.map(|e| {
-            (e[0] * m.x + e[1] * m.y + e[2] * m.z) + (e[3] * d.x + e[4] * d.y + e[5] * d.z)
-        });
+        // A loop, not `map`: see `Wide::closest_of`.
+        let mut weights = [0.0; 3];
+        for (weight, e) in weights.iter_mut().zip(&self.edges) {
+            *weight =
+                (e[0] * m.x + e[1] * m.y + e[2] * m.z) + (e[3] * d.x + e[4] * d.y + e[5] * d.z);
+        }
         let [nx, ny, nz, c] = self.plane;
         let slope = nx * d.x + ny * d.y + nz * d.z;
         let low = min(min(weights[0], weights[1]), weights[2]);

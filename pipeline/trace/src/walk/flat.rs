@@ -94,8 +94,9 @@ impl Flat {
                     places[i] ^= (places[i] ^ place) & nearer;
                 }
             }
-            let found = rays.iter().zip(places).enumerate();
-            hits.extend(found.map(|(i, (ray, place))| self.found(&packet.line(i), place, ray)));
+            for (i, (ray, place)) in rays.iter().zip(places).enumerate() {
+                hits.push(self.found(&packet.line(i), place, ray));
+            }
         }
     }
 
@@ -126,13 +127,15 @@ impl Flat {
             let packet = Packet::new(rays, self.centre);
             let mut any = [0u32; RAYS];
             for (edges, _) in &self.triangles {
-                for i in 0..RAYS {
+                for (i, any) in any.iter_mut().enumerate() {
                     let met = edges.meet(&packet.line(i));
                     let hit = met.inside & (met.t > 0.0) & (met.t < packet.t_max[i]);
-                    any[i] |= u32::from(hit);
+                    *any |= u32::from(hit);
                 }
             }
-            blocked.extend(any.iter().take(rays.len()).map(|&a| a != 0));
+            for &any in any.iter().take(rays.len()) {
+                blocked.push(any != 0);
+            }
         }
     }
 }

@@ -90,12 +90,21 @@ pub type Stack = Vec<(u32, f32)>;
 impl Prepared {
     #[inline(always)]
     fn new(o: Vec3, d: Vec3) -> Prepared {
-        let nonzero = |c: f32| if c.abs() < TINY { TINY.copysign(c) } else { c };
-        let inverse = d.to_array().map(|c| 1.0 / nonzero(c));
+        let mut inverse = d.to_array();
+        let mut near = [0; 3];
+        for (c, near) in inverse.iter_mut().zip(&mut near) {
+            *c = 1.0
+                / if c.abs() < TINY {
+                    TINY.copysign(*c)
+                } else {
+                    *c
+                };
+            *near = usize::from(*c < 0.0);
+        }
         Prepared {
             line: Line::new(o, d),
             inverse,
-            near: inverse.map(|i| usize::from(i < 0.0)),
+            near,
         }
     }
 }
@@ -106,7 +115,13 @@ impl Wide {
     pub fn closest_of(&self, rays: &[Ray], stack: &mut Stack, hits: &mut Vec<Found>) {
         match &self.flat {
             Some(flat) => flat.closest(rays, hits),
-            None => hits.extend(rays.iter().map(|ray| self.closest(ray, stack))),
+            // A loop, not an iterator chain: a chain's closure is a function of its own, which
+            // the compiler may build for the oldest processor.
+            None => {
+                for ray in rays {
+                    hits.push(self.closest(ray, stack));
+                }
+            }
         }
     }
 
@@ -115,7 +130,11 @@ impl Wide {
     pub fn occluded_of(&self, rays: &[Ray], stack: &mut Stack, blocked: &mut Vec<bool>) {
         match &self.flat {
             Some(flat) => flat.occluded(rays, blocked),
-            None => blocked.extend(rays.iter().map(|ray| self.occluded(ray, stack))),
+            None => {
+                for ray in rays {
+                    blocked.push(self.occluded(ray, stack));
+                }
+            }
         }
     }
 
@@ -224,13 +243,19 @@ impl Node {
 impl Leaf {
     #[inline(always)]
     fn triangle(&self, lane: usize) -> Edges {
-        Edges {
-            plane: self.plane.each_ref().map(|row| row[lane]),
-            edges: self
-                .edges
-                .each_ref()
-                .map(|edge| edge.each_ref().map(|row| row[lane])),
+        let mut triangle = Edges {
+            plane: [0.0; 4],
+            edges: [[0.0; 6]; 3],
+        };
+        for (value, row) in triangle.plane.iter_mut().zip(&self.plane) {
+            *value = row[lane];
         }
+        for (edge, rows) in triangle.edges.iter_mut().zip(&self.edges) {
+            for (value, row) in edge.iter_mut().zip(rows) {
+                *value = row[lane];
+            }
+        }
+        triangle
     }
 
     /// Bit mask of the triangles hit with 0 < t < t_max, where, and the corners' weights.

@@ -1,0 +1,8 @@
+//! A round's tasks.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    rrf_fuzz::tasks(bytes);
+});

@@ -1,0 +1,251 @@
+//! What could be done about a cell, what it should remove and what it should cost.
+//!
+//! The squared error of a cell is taken for the sum of two: what its net cannot follow even on
+//! the rows it learned from (*fit*, the error on the training rows) and what the rows did not
+//! tell it (*gap*, the rest). The gap goes with weights over samples; the fit shrinks with the
+//! cell by as much as a quadratic polynomial's error does ([`best_cut`]), and with the net.
+//! Measured on 512-path samples of the Cornell box: docs/accuracy.md.
+
+use crate::config::BakeConfig;
+use crate::cost;
+use crate::judge::CellJudgement;
+use crate::plan::{CellPlan, RoundPlan};
+use crate::run::Run;
+use crate::work::read_cell;
+use crate::{error::BakeError, task::fit_config};
+use rrf_store::samples::SampleTable;
+use rrf_train::quadratic::{Cut, best_cut};
+use rrf_train::{LADDER, Size};
+
+/// What may be done about a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Action {
+    /// Two cells in its place, each with as many rows as it has now.
+    Split {
+        /// Where.
+        cut: Cut,
+        /// Share of its rows on the left.
+        left: f64,
+    },
+    /// As many rows again.
+    More,
+    /// A larger net on the same rows.
+    Grow(Size),
+}
+
+/// One of these for one cell.
+#[derive(Clone, Debug)]
+pub(crate) struct Remedy {
+    /// The cell.
+    pub cell: u32,
+    /// What is done.
+    pub action: Action,
+    /// Squared error that it should remove from the whole.
+    pub gain: f64,
+    /// Seconds of one core that it should take.
+    pub seconds: f64,
+    /// Rows to draw for it.
+    pub rows: u32,
+    /// Paths for each of them.
+    pub paths: u32,
+}
+
+/// A cut leaves at most this share of the fit error in place of what the polynomials promise:
+/// nets follow what polynomials do not.
+const LEAST_CUT: f64 = 0.35;
+/// What a larger net leaves of the fit error, and what it makes of the gap.
+const GROWN: [f64; 2] = [0.5, 1.4];
+
+/// The remedy that should remove most error a second, or none where nothing helps.
+/// `may_split` is false where the run may not have more cells.
+pub(crate) fn best_remedy(
+    run: &Run,
+    plan: &RoundPlan,
+    cell: &CellPlan,
+    judged: &CellJudgement,
+    may_split: bool,
+) -> Result<Option<Remedy>, BakeError> {
+    let config = &run.config;
+    let table = read_cell(run, cell)?;
+    let rows = table.len() as u32;
+    let fit = judged
+        .train_square_error
+        .clamp(0.0, judged.square_error.max(0.0));
+    let gap = judged.square_error - fit;
+    let paths = paths(config, plan, cell, judged);
+    let train = fit_config(run, plan, cell);
+    let fit_seconds = |size: &Size, rows| cost::train_seconds(rows, size, &train);
+    let drawn_seconds = cost::draw_seconds(rows, paths);
+    let twice = fit_seconds(&cell.size, 2 * u64::from(rows));
+    let mut found: Vec<Remedy> = Vec::new();
+    let mut consider = |action, left: f64, seconds, rows| {
+        found.push(Remedy {
+            cell: cell.cell,
+            action,
+            gain: judged.measure * (judged.square_error - left),
+            seconds,
+            rows,
+            paths,
+        });
+    };
+    if may_split && let Some((cut, left)) = cut(config, plan, &table) {
+        let shrunk = (cut.after / cut.before).clamp(LEAST_CUT, 1.0);
+        let action = Action::Split { cut, left };
+        consider(
+            action,
+            shrunk * fit + 0.5 * gap,
+            drawn_seconds + twice,
+            rows,
+        );
+    }
+    consider(Action::More, fit + 0.5 * gap, drawn_seconds + twice, rows);
+    if let Some(size) = larger(&cell.size) {
+        let seconds = fit_seconds(&size, u64::from(rows));
+        consider(
+            Action::Grow(size),
+            GROWN[0] * fit + GROWN[1] * gap,
+            seconds,
+            0,
+        );
+    }
+    let rate = |r: &Remedy| r.gain / r.seconds.max(f64::MIN_POSITIVE);
+    // the first of equals: a split
+    let best = found.into_iter().filter(|r| r.gain > 0.0);
+    Ok(best.reduce(|a, b| if rate(&b) > rate(&a) { b } else { a }))
+}
+
+/// The best cut and the share of rows on its left.
+fn cut(config: &BakeConfig, plan: &RoundPlan, table: &SampleTable) -> Option<(Cut, f64)> {
+    let halves = [table.halves[0].as_slice(), table.halves[1].as_slice()];
+    let floor = config.train.epsilon * f64::from(plan.mean_luminance);
+    let lambert = |&m: &u32| plan.lambert.get(m as usize).copied().unwrap_or(false);
+    let viewer = !table.material.iter().all(lambert);
+    let fewest = config.extract.fewest_rows as usize;
+    let cut = best_cut(&table.columns, halves, floor, fewest, viewer)?;
+    let column = &table.columns.columns[cut.axis];
+    let left = column.iter().filter(|&&x| x < cut.threshold).count();
+    Some((cut, left as f64 / column.len().max(1) as f64))
+}
+
+/// The next larger net of the ladder.
+fn larger(size: &Size) -> Option<Size> {
+    let Size::Hidden(hidden) = size else {
+        return None;
+    };
+    let units: usize = hidden.iter().sum();
+    let next = LADDER.iter().find(|n| n.iter().sum::<usize>() > units)?;
+    Some(Size::Hidden(next.to_vec()))
+}
+
+/// Paths for each new row of a cell. With γ parameters fitted to N rows the gap is
+/// (v + σ² / P) γ / N: v what a noise-free row would leave unsaid, σ² the squared noise of one
+/// path. A row costs t + c P seconds. For a given time the gap is least at P² = σ² t / (v c).
+fn paths(config: &BakeConfig, plan: &RoundPlan, cell: &CellPlan, judged: &CellJudgement) -> u32 {
+    let used = cell
+        .parts
+        .iter()
+        .filter_map(|p| plan.draws.get(p.draw as usize));
+    let (sum, count) = used.fold((0.0, 0.0), |(s, n), d| (s + f64::from(d.paths), n + 1.0));
+    let now = if count > 0.0 {
+        sum / count
+    } else {
+        f64::from(config.extract.paths)
+    };
+    let one_path = judged.noise.powi(2) * now;
+    let gap = judged.square_error - judged.train_square_error.max(0.0);
+    let parameters = judged.effective_parameters.max(1.0);
+    let unsaid = gap * judged.train_rows as f64 / parameters - one_path / now;
+    let (most, least) = (f64::from(MOST_PATHS), f64::from(LEAST_PATHS));
+    let ratio = cost::train_seconds(1, &cell.size, &config.train) / cost::draw_seconds(1, 1);
+    let best = (one_path * ratio / unsaid.max(f64::MIN_POSITIVE)).sqrt();
+    // a power of two: even, and strata of the paths' Sobol points stay whole
+    2f64.powf(best.clamp(least, most).log2().round()) as u32
+}
+
+const LEAST_PATHS: u32 = 64;
+const MOST_PATHS: u32 = 1024;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{DrawPlan, PartPlan};
+    use crate::{BakeConfig, Preset};
+    use rrf_extract::{Census, LightBox};
+    use rrf_field::tree::Tree;
+
+    fn plan(paths: u32) -> RoundPlan {
+        let part = PartPlan {
+            part: 0,
+            draw: 0,
+            from: None,
+        };
+        RoundPlan {
+            round: 0,
+            tree: Tree::single(),
+            cells: vec![CellPlan {
+                cell: 0,
+                measure: 1.0,
+                parts: vec![part],
+                size: Size::Hidden(vec![20, 10]),
+                fitted: 0,
+            }],
+            draws: vec![DrawPlan {
+                node: 0,
+                rows: 6000,
+                paths,
+            }],
+            lambert: vec![true],
+            mean_luminance: 1.0,
+            diagonal: 1.0,
+            census: Census::default(),
+        }
+    }
+
+    fn judged(noise: f64, gap: f64) -> CellJudgement {
+        CellJudgement {
+            cell: 0,
+            measure: 1.0,
+            square_error: 0.003 + gap,
+            square_error_se: 0.0,
+            train_square_error: 0.003,
+            noise,
+            train_rows: 4200,
+            effective_parameters: 300.0,
+            rows: 6000,
+            weights: 443,
+        }
+    }
+
+    /// The number of paths is the best of all powers of two for the time it takes.
+    #[test]
+    fn paths_are_the_best_for_their_time() {
+        let light_box = LightBox {
+            minimum: [0.0; 3],
+            maximum: [1.0; 3],
+        };
+        let config = BakeConfig::preset(Preset::Standard, light_box, 1);
+        for (now, noise, gap) in [(256, 0.2, 0.01), (64, 0.1, 0.02), (128, 0.3, 0.012)] {
+            let (plan, judged) = (plan(now), judged(noise, gap));
+            let chosen = paths(&config, &plan, &plan.cells[0], &judged);
+            let size = &plan.cells[0].size;
+            let variance = noise * noise * f64::from(now);
+            let unsaid = gap * 4200.0 / 300.0 - noise * noise;
+            let cost = |paths: u32| {
+                let seconds = cost::train_seconds(1_000, size, &config.train)
+                    + cost::draw_seconds(1_000, paths);
+                (unsaid + variance / f64::from(paths)) * seconds
+            };
+            for other in (6..=10).map(|k| 1u32 << k) {
+                assert!(cost(chosen) <= cost(other), "{chosen}, {other} is better");
+            }
+        }
+    }
+
+    #[test]
+    fn nets_grow_along_the_ladder() {
+        let grown = larger(&Size::Hidden(vec![20, 10]));
+        assert_eq!(grown, Some(Size::Hidden(vec![32, 16])));
+        assert_eq!(larger(&Size::Hidden(vec![32, 16])), None);
+        assert_eq!(larger(&Size::Smallest { target: 0.1 }), None);
+    }
+}

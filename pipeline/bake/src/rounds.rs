@@ -1,0 +1,203 @@
+//! Rounds: plan, tasks, commit, and again.
+//!
+//! Everything that a round needs is in files of the run, so that a bake that was cut off goes on
+//! with the task that it was cut off in, and so that the tasks may as well be done by others.
+
+use crate::commit::{commit, missing};
+use crate::config::BakeConfig;
+use crate::crew;
+use crate::decide::{Next, Stop, decide};
+use crate::error::BakeError;
+use crate::judge::Judgement;
+use crate::plan::RoundPlan;
+use crate::run::{Judged, Run};
+use crate::task::{Stage, Task, is_done, tasks};
+use crate::watch::Watch;
+use crate::work::{Site, perform};
+use rrf_extract::Census;
+use rrf_store::layout::remove_unfinished;
+
+/// Where a run stands.
+#[derive(Clone, Debug)]
+pub struct Standing {
+    /// The round that was committed last, if any.
+    pub judged: Option<Judged>,
+    /// The round to do, or none when the run has ended.
+    pub todo: Option<RoundPlan>,
+}
+
+/// Where a run stands, from its files. A round that lost files is to do again.
+pub fn standing(run: &Run) -> Result<Standing, BakeError> {
+    let (mut judged, mut round) = (None, 0);
+    while let Some(plan) = run.read_plan(round)? {
+        let found = run.read_judged(round)?;
+        let ended = match found {
+            None => {
+                return Ok(Standing {
+                    judged,
+                    todo: Some(plan),
+                });
+            }
+            Some(found) => {
+                let ended = found.stop.is_some();
+                judged = Some(found);
+                ended
+            }
+        };
+        if ended && (!run.has_model() || missing(run, &plan)? > 0) {
+            return Ok(Standing {
+                judged,
+                todo: Some(plan),
+            });
+        }
+        if ended {
+            return Ok(Standing { judged, todo: None });
+        }
+        round += 1;
+    }
+    Ok(Standing { judged, todo: None })
+}
+
+/// Draws the first plan, or reads it.
+pub fn first_plan(run: &Run, site: &Site) -> Result<RoundPlan, BakeError> {
+    if let Some(plan) = run.read_plan(0)? {
+        return Ok(plan);
+    }
+    let plan = plan_first(&run.config, site)?;
+    run.write_plan(&plan)?;
+    Ok(plan)
+}
+
+/// The tasks of a first round, for an estimate: nothing is written.
+pub fn first_tasks(config: &BakeConfig, site: &Site) -> Result<Vec<Task>, BakeError> {
+    let run = Run::unwritten(site.scene(), config)?;
+    let plan = plan_first(config, site)?;
+    tasks(&run, &plan)
+}
+
+fn plan_first(config: &BakeConfig, site: &Site) -> Result<RoundPlan, BakeError> {
+    let first = rrf_extract::plan(site.scene(), site.tracer(), &config.extract)?;
+    let diagonal = site.scene().bounds().map_or(0.0, |b| b.diagonal());
+    let (paths, size) = (config.extract.paths, &config.train.size);
+    Ok(RoundPlan::first(first, diagonal, paths, size))
+}
+
+/// Does the tasks of one stage that are not done; `only` limits them to some cells.
+///
+/// # Errors
+/// [`BakeError::Halted`] when the watch says so: what is done stays.
+pub fn perform_stage(
+    run: &Run,
+    plan: &RoundPlan,
+    site: Option<&Site>,
+    stage: Stage,
+    only: Option<&[u32]>,
+    watch: &dyn Watch,
+) -> Result<(), BakeError> {
+    let mut todo = Vec::new();
+    for task in tasks(run, plan)? {
+        let wanted = only.is_none_or(|cells| cells.contains(&task.cell));
+        if task.stage == stage && wanted && !is_done(run, &task)? {
+            todo.push(task);
+        }
+    }
+    if todo.is_empty() {
+        return Ok(());
+    }
+    // the long ones first, so that no thread is left alone with one at the end
+    todo.sort_by(|a, b| b.seconds.total_cmp(&a.seconds).then(a.cell.cmp(&b.cell)));
+    let weight = |task: &Task| (task.seconds * 1000.0) as u64 + 1;
+    let crew = crew::size(&todo, watch.memory())?;
+    watch.begin(stage, plan.round, todo.iter().map(weight).sum());
+    let done = crew::work(crew, &todo, |task| {
+        if let Some(why) = watch.halted() {
+            return Err(BakeError::Halted { why });
+        }
+        perform(run, plan, site, task)?;
+        watch.advance(weight(task));
+        Ok(())
+    });
+    watch.end();
+    done
+}
+
+/// Commits a round whose tasks are done and writes down what comes next.
+pub fn finish_round(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
+    let judgement = commit(run, plan)?;
+    let next = decide(run, plan, &judgement)?;
+    if let Next::Round(next) = &next {
+        run.write_plan(next)?;
+    }
+    let stop = match &next {
+        Next::Stop(stop) => Some(*stop),
+        Next::Round(_) => None,
+    };
+    // no task is left to do: what lies unfinished, a killed one left
+    remove_unfinished(&run.folder)?;
+    run.write_judged(&Judged {
+        round: plan.round,
+        judgement: judgement.clone(),
+        stop,
+    })?;
+    Ok((judgement, next))
+}
+
+/// What rounds came to.
+#[derive(Clone, Debug)]
+pub struct Ended {
+    /// Candidates of the first plan, accepted and left out.
+    pub census: Census,
+    /// Error of every cell and of the whole, of the last round that was committed.
+    pub judgement: Judgement,
+    /// Rounds committed.
+    pub rounds: u32,
+    /// Why there is no further one.
+    pub stop: Stop,
+}
+
+/// Does rounds until one says stop or the watch does.
+pub fn rounds(run: &Run, site: &Site, watch: &dyn Watch) -> Result<Ended, BakeError> {
+    let census = first_plan(run, site)?.census;
+    loop {
+        let Standing { judged, todo } = standing(run)?;
+        let Some(plan) = todo else {
+            return ended(run, census, judged);
+        };
+        let work = [Stage::Extract, Stage::Train]
+            .iter()
+            .try_for_each(|&stage| perform_stage(run, &plan, Some(site), stage, None, watch));
+        match (work, judged) {
+            // the model of the round before stands
+            (
+                Err(BakeError::Halted {
+                    why: crate::watch::Halt::Time,
+                }),
+                Some(judged),
+            ) => {
+                return Ok(Ended {
+                    census,
+                    judgement: judged.judgement,
+                    rounds: judged.round + 1,
+                    stop: Stop::Time,
+                });
+            }
+            (work, _) => work?,
+        }
+        let (judgement, _) = finish_round(run, &plan)?;
+        watch.judged(plan.round, &judgement);
+    }
+}
+
+fn ended(run: &Run, census: Census, judged: Option<Judged>) -> Result<Ended, BakeError> {
+    let missing = || BakeError::NotExtracted {
+        path: run.folder.clone(),
+        cell: 0,
+    };
+    let judged = judged.ok_or_else(missing)?;
+    Ok(Ended {
+        census,
+        rounds: judged.round + 1,
+        stop: judged.stop.ok_or_else(missing)?,
+        judgement: judged.judgement,
+    })
+}

@@ -1,0 +1,67 @@
+//! A bake of the Cornell box that takes milliseconds.
+
+use rrf_bake::{BakeConfig, Halt, Preset, RoundPlan, Run, Site, Stage, Watch};
+use rrf_extract::LightBox;
+use rrf_scene::{LoadOptions, Scene};
+use rrf_trace::Tracer;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Runs `work` with a new run folder, its first plan, and the scene ready to be sampled.
+pub fn with_run<T>(work: impl FnOnce(&Run, &RoundPlan, &Site) -> T) -> T {
+    let path = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../scenes/cornell-box/scene.pbrt"
+    ));
+    let scene: Scene = rrf_scene::load(path, &LoadOptions::default()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let run = Run::create(folder.path(), &scene, &config(), false).unwrap();
+    let scene = scene.unlit();
+    let tracer = Tracer::new(&scene).unwrap();
+    let site = Site::new(&scene, &tracer);
+    let plan = rrf_bake::first_plan(&run, &site).unwrap();
+    work(&run, &plan, &site)
+}
+
+fn config() -> BakeConfig {
+    let light_box = LightBox {
+        minimum: [-0.6, 1.3, -0.6],
+        maximum: [0.6, 1.8, 0.6],
+    };
+    let mut config = BakeConfig::preset(Preset::Preview, light_box, 5);
+    config.extract.candidates = 4096;
+    config.extract.cells = 3;
+    config.extract.rows = 300;
+    config.extract.fewest_rows = 100;
+    config.extract.paths = 2;
+    config.train.iterations = 3;
+    config
+}
+
+/// Every file of a run with its bytes.
+pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let entry = entry.unwrap();
+        let name = entry.file_name().into_string().unwrap();
+        if entry.file_type().unwrap().is_dir() {
+            let inner = files(&entry.path()).into_iter();
+            found.extend(inner.map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+        } else {
+            found.insert(name, std::fs::read(entry.path()).unwrap());
+        }
+    }
+    found
+}
+
+/// Nobody watches.
+pub struct Alone;
+
+impl Watch for Alone {
+    fn begin(&self, _stage: Stage, _round: u32, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn end(&self) {}
+    fn halted(&self) -> Option<Halt> {
+        None
+    }
+}

@@ -1,0 +1,95 @@
+//! A run opened for looking at: its scene, its nets, and what a user should know.
+
+use glam::Vec3;
+use rrf_bake::Run;
+use rrf_extract::Lookout;
+use rrf_field::Field;
+use rrf_field::columns::Columns;
+use rrf_render::{Lamps, Lights, Notice, View, notices};
+use rrf_scene::Scene;
+use rrf_store::model::{self, ModelTree};
+use rrf_trace::Tracer;
+use std::path::Path;
+
+/// A baked run: everything that frames of it need but the tracer, which borrows the scene.
+pub struct Baked {
+    /// The run.
+    pub run: Run,
+    /// Its scene as baked, without its own lights.
+    pub unlit: Scene,
+    /// Its scene with them.
+    pub scene: Scene,
+    /// The nets.
+    pub field: Field,
+    tree: ModelTree,
+}
+
+impl Baked {
+    /// Reads the run, its scene and its model.
+    pub fn open(folder: &Path) -> anyhow::Result<Baked> {
+        let run = Run::open(folder)?;
+        let scene = run.load_scene()?;
+        let model = model::read_model(&run.folder, &run.facts())?;
+        let field = Field::new(model.tree.tree.clone(), model.cells)?;
+        Ok(Baked {
+            unlit: scene.clone().unlit(),
+            scene,
+            run,
+            field,
+            tree: model.tree,
+        })
+    }
+
+    /// Least and greatest corner of the baked light box.
+    pub fn light_box(&self) -> [Vec3; 2] {
+        let [x0, y0, z0, x1, y1, z1] = self.run.manifest.light_box;
+        [Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1)]
+    }
+
+    /// The scene that frames are traced in: with its lamps where they shine.
+    pub fn shown(&self, lights: &Lights) -> &Scene {
+        if self.has_lamps(lights) {
+            &self.scene
+        } else {
+            &self.unlit
+        }
+    }
+
+    /// The lamps, where they shine; what stands for them in the nets' light, and how well, is
+    /// said on standard error.
+    pub fn lamps(&self, lights: &Lights) -> anyhow::Result<Option<Lamps>> {
+        if !self.has_lamps(lights) {
+            return Ok(None);
+        }
+        let tracer = Tracer::new(&self.unlit)?;
+        let lookout = Lookout::new(&self.unlit, &tracer);
+        let free = |p: Vec3| !lookout.inside_solid(p);
+        let lamps = Lamps::new(&self.scene, &self.field, self.light_box(), free)?;
+        for (k, stand_in) in lamps.stand_ins.iter().enumerate() {
+            eprintln!(
+                "area light {k}: the nets light it as {} points, indirect light within {:.1} %",
+                stand_in.points.len(),
+                100.0 * stand_in.error
+            );
+        }
+        Ok(Some(lamps))
+    }
+
+    fn has_lamps(&self, lights: &Lights) -> bool {
+        lights.area && !self.scene.area_lights.is_empty()
+    }
+
+    /// Whether the nets were trained for each of the rows.
+    pub fn trusted(&self, rows: &Columns) -> Vec<bool> {
+        self.tree.trusted(rows)
+    }
+
+    /// What a user should know of a view and its lights.
+    pub fn notices(&self, tracer: &Tracer, view: &View, lights: &Lights) -> Vec<Notice> {
+        let lookout = Lookout::new(&self.unlit, tracer);
+        let positions = lights.points.iter().map(|light| light.position);
+        notices(view.eye, positions, Some(self.light_box()), |p| {
+            lookout.inside_solid(p)
+        })
+    }
+}

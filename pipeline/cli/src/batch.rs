@@ -1,0 +1,318 @@
+//! `rrf run batch.toml`: many bakes from one file, safe under cron.
+
+use crate::args::{BakeSettings, LightUnits, Method, Preset, RunArgs, SceneOptions};
+use crate::bake::config;
+use crate::failure::{BadInput, exit_code, message};
+use crate::progress::Bars;
+use rrf_bake::{BakeConfig, Run, Site};
+use rrf_scene::Scene;
+use rrf_trace::Tracer;
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// The file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Batch {
+    /// Folder of the runs, from the file's folder.
+    output: PathBuf,
+    /// Settings of bakes that do not say otherwise.
+    #[serde(default)]
+    defaults: Settings,
+    /// The bakes.
+    bake: Vec<Bake>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Bake {
+    /// Names the run folder: NAME-SEED.
+    name: String,
+    /// Scene file, from the file's folder.
+    scene: PathBuf,
+    #[serde(default)]
+    settings: Settings,
+}
+
+/// As on the command line of `rrf bake`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    light_box: Option<[f32; 6]>,
+    target: Option<f32>,
+    seeds: Option<Vec<u64>>,
+    preset: Option<String>,
+    rows: Option<u32>,
+    paths: Option<u32>,
+    cells: Option<u32>,
+    rounds: Option<u32>,
+    most_cells: Option<u32>,
+    default_albedo: Option<f32>,
+    light_units: Option<String>,
+}
+
+/// One run, valid as far as can be said before it starts.
+struct Job {
+    folder: PathBuf,
+    scene: Scene,
+    config: BakeConfig,
+}
+
+/// One line of the summary.
+#[derive(Serialize)]
+struct Outcome {
+    run: PathBuf,
+    /// 0 done, 1 failed, 2 bad input.
+    code: u8,
+    seconds: f64,
+    relative_error: Option<f64>,
+    relative_error_se: Option<f64>,
+    message: String,
+}
+
+/// Validates everything, then bakes one after the other.
+pub fn run(args: &RunArgs, quiet: bool) -> anyhow::Result<()> {
+    let batch = read(&args.batch)?;
+    let base = args.batch.parent().unwrap_or(Path::new(""));
+    let output = base.join(&batch.output);
+    let jobs = jobs(&batch, base, &output)?;
+    if args.dry_run {
+        return jobs.iter().try_for_each(preview);
+    }
+    fs::create_dir_all(&output)?;
+    let _lock = lock(&output)?;
+    let mut log = Log::open(&output)?;
+    log.line(&format!("{}: {} runs", args.batch.display(), jobs.len()))?;
+    let watch = Bars::new(quiet, &args.bounds)?;
+    let mut outcomes = Vec::new();
+    for job in &jobs {
+        let outcome = perform(job, &watch);
+        log.line(&format!("{}: {}", outcome.run.display(), outcome.message))?;
+        outcomes.push(outcome);
+    }
+    let summary = output.join("summary.json");
+    let mut text = serde_json::to_vec_pretty(&outcomes)?;
+    text.push(b'\n');
+    rrf_store::atomic::atomic_write(&summary, &text)?;
+    let failed = outcomes.iter().filter(|o| o.code != 0).count();
+    println!(
+        "{} of {} runs done: {}",
+        outcomes.len() - failed,
+        outcomes.len(),
+        summary.display()
+    );
+    if failed == 0 {
+        return Ok(());
+    }
+    let text = format!(
+        "{failed} of {} runs failed, see {}",
+        outcomes.len(),
+        summary.display()
+    );
+    if outcomes.iter().any(|o| o.code == 1) {
+        anyhow::bail!(text);
+    }
+    Err(BadInput(text).into())
+}
+
+fn read(path: &Path) -> anyhow::Result<Batch> {
+    let text = fs::read_to_string(path)
+        .map_err(|e| BadInput(format!("{}: cannot read: {e}", path.display())))?;
+    let batch: Batch =
+        toml::from_str(&text).map_err(|e| BadInput(format!("{}: {e}", path.display())))?;
+    Ok(batch)
+}
+
+/// Every run of the batch, its scene loaded and its settings checked; all faults at once.
+fn jobs(batch: &Batch, base: &Path, output: &Path) -> Result<Vec<Job>, BadInput> {
+    let (mut jobs, mut faults) = (Vec::new(), Vec::new());
+    let mut names = std::collections::BTreeSet::new();
+    for bake in &batch.bake {
+        let fine = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+        if bake.name.is_empty() || bake.name.starts_with('.') || !bake.name.chars().all(fine) {
+            let rule = "letters, digits, - _ and . (not first)";
+            faults.push(format!("name {:?}: a name is made of {rule}", bake.name));
+        }
+        if !names.insert(&bake.name) {
+            faults.push(format!("name {:?} is there twice", bake.name));
+        }
+        match jobs_of(bake, &batch.defaults, base, output) {
+            Ok(of) => jobs.extend(of),
+            Err(error) => faults.push(format!("{}: {}", bake.name, message(&error))),
+        }
+    }
+    match faults.is_empty() {
+        true => Ok(jobs),
+        false => Err(BadInput(faults.join("\n"))),
+    }
+}
+
+fn jobs_of(
+    bake: &Bake,
+    defaults: &Settings,
+    base: &Path,
+    output: &Path,
+) -> anyhow::Result<Vec<Job>> {
+    let own = &bake.settings;
+    let seeds = own.seeds.clone().or(defaults.seeds.clone());
+    let mut jobs = Vec::new();
+    for seed in seeds.unwrap_or(vec![1]) {
+        let settings = settings(own, defaults, seed)?;
+        let scene = crate::scene::load(&base.join(&bake.scene), &settings.scene_options)?;
+        let config = config(&settings, &scene)?;
+        let bounds = scene
+            .bounds()
+            .ok_or(rrf_extract::ExtractError::NoTriangle)?;
+        config.extract.validate(&bounds)?;
+        jobs.push(Job {
+            folder: output.join(format!("{}-{seed}", bake.name)),
+            scene,
+            config,
+        });
+    }
+    Ok(jobs)
+}
+
+fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettings, BadInput> {
+    let preset = match own.preset.as_deref().or(defaults.preset.as_deref()) {
+        None | Some("standard") => Preset::Standard,
+        Some("preview") => Preset::Preview,
+        Some("fine") => Preset::Fine,
+        Some(other) => {
+            return Err(BadInput(format!(
+                "preset {other:?}: preview, standard or fine"
+            )));
+        }
+    };
+    let light_units = match own
+        .light_units
+        .as_deref()
+        .or(defaults.light_units.as_deref())
+    {
+        None | Some("spec") => LightUnits::Spec,
+        Some("compat") => LightUnits::Compat,
+        Some("raw") => LightUnits::Raw,
+        Some(other) => {
+            return Err(BadInput(format!(
+                "light_units {other:?}: spec, compat or raw"
+            )));
+        }
+    };
+    let target = own.target.or(defaults.target).unwrap_or(0.05);
+    let default_albedo = own
+        .default_albedo
+        .or(defaults.default_albedo)
+        .unwrap_or(0.7);
+    let fine = target > 0.0 && target.is_finite() && (0.0..=1.0).contains(&default_albedo);
+    if !fine {
+        return Err(BadInput(format!(
+            "target {target} has to be positive, default_albedo {default_albedo} in 0 to 1"
+        )));
+    }
+    Ok(BakeSettings {
+        light_box: own.light_box.or(defaults.light_box),
+        target,
+        seed,
+        preset,
+        resume: true,
+        rows: own.rows.or(defaults.rows),
+        paths: own.paths.or(defaults.paths),
+        cells: own.cells.or(defaults.cells),
+        rounds: own.rounds.or(defaults.rounds),
+        most_cells: own.most_cells.or(defaults.most_cells),
+        method: Method::Nets,
+        scene_options: SceneOptions {
+            default_albedo,
+            light_units,
+        },
+    })
+}
+
+/// What the first round of a run would take.
+fn preview(job: &Job) -> anyhow::Result<()> {
+    let scene = job.scene.unlit();
+    let tracer = Tracer::new(&scene)?;
+    let tasks = rrf_bake::first_tasks(&job.config, &Site::new(&scene, &tracer))?;
+    let seconds: f64 = tasks.iter().map(|task| task.seconds).sum();
+    let memory = tasks.iter().map(|task| task.memory).max().unwrap_or(0);
+    println!(
+        "{}: {} tasks in the first of at most {} rounds, about {seconds:.0} core seconds, {} MiB a task at the most",
+        job.folder.display(),
+        tasks.len(),
+        job.config.rounds,
+        memory >> 20
+    );
+    Ok(())
+}
+
+fn perform(job: &Job, watch: &Bars) -> Outcome {
+    let start = std::time::Instant::now();
+    let result = Run::renew(&job.folder, &job.scene, &job.config)
+        .and_then(|()| rrf_bake::bake(&job.scene, &job.config, &job.folder, true, watch));
+    let seconds = start.elapsed().as_secs_f64();
+    let run = job.folder.clone();
+    match result {
+        Ok(ended) => Outcome {
+            run,
+            code: 0,
+            seconds,
+            relative_error: Some(ended.judgement.relative_error),
+            relative_error_se: Some(ended.judgement.relative_error_se),
+            message: format!(
+                "relative error {:.2} % ± {:.2} %, {} rounds, {}",
+                100.0 * ended.judgement.relative_error,
+                100.0 * ended.judgement.relative_error_se,
+                ended.rounds,
+                ended.stop.text()
+            ),
+        },
+        Err(error) => {
+            let error = anyhow::Error::from(error);
+            Outcome {
+                run,
+                code: exit_code(&error),
+                seconds,
+                relative_error: None,
+                relative_error_se: None,
+                message: message(&error),
+            }
+        }
+    }
+}
+
+/// Held as long as the file is open: a second run of the batch does not start.
+fn lock(output: &Path) -> anyhow::Result<File> {
+    let path = output.join("lock");
+    let file = File::create(&path)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(fs::TryLockError::WouldBlock) => {
+            anyhow::bail!("{}: another `rrf run` is at work here", output.display())
+        }
+        Err(fs::TryLockError::Error(error)) => Err(error.into()),
+    }
+}
+
+/// `log.txt`: lines with their time, appended.
+struct Log(File);
+
+impl Log {
+    fn open(output: &Path) -> std::io::Result<Log> {
+        let path = output.join("log.txt");
+        fs::OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(path)
+            .map(Log)
+    }
+
+    fn line(&mut self, text: &str) -> std::io::Result<()> {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH);
+        let seconds = now.map_or(0, |d| d.as_secs());
+        println!("{text}");
+        writeln!(self.0, "{seconds} {text}")
+    }
+}

@@ -1,0 +1,112 @@
+//! `--json-stats`: what frames cost, stage by stage.
+
+use anyhow::Context;
+use rrf_render::{Lights, Stages, View};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Times of frames, one after another.
+#[derive(Default)]
+pub struct Clock {
+    started: Option<(Instant, Duration)>,
+    wall: Vec<f64>,
+    processor: Vec<f64>,
+    stages: Vec<Stages>,
+}
+
+impl Clock {
+    /// A frame begins.
+    pub fn start(&mut self) {
+        self.started = Some((Instant::now(), processor_time()));
+    }
+
+    /// The frame is there.
+    pub fn stop(&mut self, stages: Stages) {
+        if let Some((wall, processor)) = self.started.take() {
+            self.wall.push(wall.elapsed().as_secs_f64());
+            self.processor
+                .push((processor_time() - processor).as_secs_f64());
+            self.stages.push(stages);
+        }
+    }
+}
+
+/// Medians over the frames. Stages are given in processor time: their share of the threads'
+/// time, times the processor time of the frame, which stays true on a machine with other work.
+pub fn report(clock: &Clock, view: &View, lights: &Lights) -> Value {
+    let pixels = f64::from(view.width) * f64::from(view.height);
+    let frames = clock.stages.iter().zip(&clock.processor);
+    let shares: Vec<Vec<f64>> = frames.map(|(s, &seconds)| shares(s, seconds)).collect();
+    let per_pixel = |seconds: f64| 1e9 * seconds / pixels;
+    let stage = |(k, (name, _)): (usize, (&str, Duration))| {
+        let seconds = median(shares.iter().map(|s| s[k]).collect());
+        json!({ "stage": name, "processor_ms": 1e3 * seconds, "ns_per_pixel": per_pixel(seconds) })
+    };
+    let table = Stages::default().table();
+    let indirect: Vec<usize> = (0..table.len())
+        .filter(|&k| ["cell_lookup", "inputs", "nets"].contains(&table[k].0))
+        .collect();
+    let of_nets = shares.iter().map(|s| indirect.iter().map(|&k| s[k]).sum());
+    let wall = median(clock.wall.clone());
+    json!({
+        "size": [view.width, view.height],
+        "point_lights": lights.points.len(),
+        "area_lights": lights.area,
+        "threads": rayon::current_num_threads(),
+        "frames": clock.wall.len(),
+        "frame_ms": 1e3 * wall,
+        "frames_per_second": 1.0 / wall,
+        "processor_ms": 1e3 * median(clock.processor.clone()),
+        "indirect_ns_per_pixel_and_core": per_pixel(median(of_nets.collect())),
+        "stages": table.into_iter().enumerate().map(stage).collect::<Vec<Value>>(),
+    })
+}
+
+/// A frame's processor time shared out over its stages by their thread time.
+fn shares(stages: &Stages, processor: f64) -> Vec<f64> {
+    let times = stages.table().map(|(_, time)| time.as_secs_f64());
+    let sum = times.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    times.iter().map(|time| processor * time / sum).collect()
+}
+
+/// Writes the report to a file, or to standard output for `-`.
+pub fn write(target: &Path, report: &Value) -> anyhow::Result<()> {
+    let text = format!("{report:#}\n");
+    if target.as_os_str() == "-" {
+        print!("{text}");
+        return Ok(());
+    }
+    std::fs::write(target, text).with_context(|| format!("{}: not written", target.display()))
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Processor time of this process so far, on all threads.
+#[cfg(unix)]
+fn processor_time() -> Duration {
+    let mut time = libc::timespec {
+        tv_sec: 0,
+        tv_nsec: 0,
+    };
+    // SAFETY: writes one timespec, which `time` is.
+    let failed = unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &raw mut time) };
+    if failed != 0 {
+        return Duration::ZERO;
+    }
+    Duration::new(
+        time.tv_sec.unsigned_abs(),
+        time.tv_nsec.unsigned_abs() as u32,
+    )
+}
+
+#[cfg(not(unix))]
+fn processor_time() -> Duration {
+    Duration::ZERO
+}

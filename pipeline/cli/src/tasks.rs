@@ -1,0 +1,212 @@
+//! `rrf plan`, `rrf task`, `rrf commit`: the rounds of a bake as tasks that any scheduler runs.
+
+use crate::args::{CommitArgs, PlanArgs, TaskArgs};
+use crate::bake::{config, print_judgement};
+use crate::failure::BadInput;
+use crate::scene;
+use rrf_bake::{BakeError, Next, RoundPlan, Run, Site, Stage, Task};
+use rrf_store::layout::task_table_path;
+use rrf_store::task_table::{TaskRow, read_tasks};
+use rrf_trace::Tracer;
+use std::path::{Path, PathBuf};
+
+/// Plans the first round of a new run, or writes the table of the round at hand.
+pub fn plan(args: &PlanArgs) -> anyhow::Result<()> {
+    let run = match &args.output {
+        Some(output) => {
+            let asked = &args.settings;
+            let scene = scene::load(&args.input, &asked.scene_options)?;
+            let run = Run::create(output, &scene, &config(asked, &scene)?, asked.resume)?;
+            let scene = scene.unlit();
+            let tracer = Tracer::new(&scene)?;
+            rrf_bake::first_plan(&run, &Site::new(&scene, &tracer))?;
+            run
+        }
+        None => Run::open(&args.input)?,
+    };
+    let Some(plan) = rrf_bake::standing(&run)?.todo else {
+        match args.json {
+            true => println!("{}", serde_json::json!({"ended": true, "tasks": []})),
+            false if args.missing => {}
+            false => println!("nothing to do: the bake has ended"),
+        }
+        return Ok(());
+    };
+    // anew, should it have been lost
+    run.write_plan(&plan)?;
+    let path = task_table_path(&run.folder, plan.round);
+    let all = read_tasks(&path, &run.facts())?;
+    let mut listed = Vec::new();
+    for (row, task) in all.iter().zip(rrf_bake::tasks(&run, &plan)?) {
+        if !(args.missing && rrf_bake::is_done(&run, &task)?) {
+            listed.push(row);
+        }
+    }
+    if args.json {
+        println!(
+            "{}",
+            serde_json::to_string(&summary(&plan, &path, &listed))?
+        );
+    } else if args.missing {
+        listed.iter().for_each(|row| println!("{}", row.task_id));
+    } else {
+        let seconds: f64 = all.iter().map(|row| row.seconds).sum();
+        println!(
+            "round {}: {} tasks, about {seconds:.0} core seconds: {}",
+            plan.round,
+            all.len(),
+            path.display()
+        );
+    }
+    Ok(())
+}
+
+fn summary(plan: &RoundPlan, path: &Path, listed: &[&TaskRow]) -> serde_json::Value {
+    let tasks: Vec<serde_json::Value> = listed
+        .iter()
+        .map(|row| {
+            serde_json::json!({
+                "task_id": row.task_id, "stage": row.stage, "round": row.round,
+                "cell_id": row.cell_id, "part": row.part, "input_hash": row.input_hash,
+                "seconds": row.seconds, "memory": row.memory,
+            })
+        })
+        .collect();
+    serde_json::json!({"ended": false, "round": plan.round, "plan": path, "tasks": tasks})
+}
+
+/// Does one task of a plan, or finds that it is done.
+pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
+    let run = Run::open(&run_of(&args.plan)?)?;
+    let index = index(args)?;
+    let listed = read_tasks(&args.plan, &run.facts())?;
+    let row = listed.get(index as usize).ok_or_else(|| {
+        BadInput(format!(
+            "{}: task {index}: the plan has tasks 0 to {}",
+            args.plan.display(),
+            listed.len().saturating_sub(1)
+        ))
+    })?;
+    let round = round_of(&args.plan)?;
+    let plan = run.read_plan(round)?.ok_or_else(|| BakeError::Plan {
+        round,
+        reason: "plan.json is missing".into(),
+    })?;
+    let task = rrf_bake::tasks(&run, &plan)?
+        .into_iter()
+        .nth(index as usize)
+        .filter(|task| task.hash == row.input_hash)
+        .ok_or_else(|| {
+            BadInput(format!(
+                "{}: task {index} is not one of this run any more. Write the plan anew with `rrf plan RUN`",
+                args.plan.display()
+            ))
+        })?;
+    if rrf_bake::is_done(&run, &task)? {
+        println!("{}: done already", describe(&task));
+        return Ok(());
+    }
+    match task.stage {
+        Stage::Extract => {
+            let scene = run.load_scene()?.unlit();
+            let tracer = Tracer::new(&scene)?;
+            let site = Site::new(&scene, &tracer);
+            rrf_bake::perform(&run, &plan, Some(&site), &task)?;
+        }
+        Stage::Train => match rrf_bake::perform(&run, &plan, None, &task) {
+            // not this task's fault: it can succeed later
+            Err(error @ BakeError::NotExtracted { .. }) => {
+                anyhow::bail!("task {index} waits for an extraction: {error}")
+            }
+            done => done?,
+        },
+    }
+    println!("{}: done", describe(&task));
+    Ok(())
+}
+
+/// Makes the round's fits the model and plans the next round.
+pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
+    let run = Run::open(&args.run)?;
+    let standing = rrf_bake::standing(&run)?;
+    let Some(plan) = standing.todo else {
+        if !args.json {
+            println!("nothing to commit: the bake has ended");
+        } else {
+            println!("{}", serde_json::json!({"ended": true}));
+        }
+        return Ok(());
+    };
+    let (judgement, next) = rrf_bake::finish_round(&run, &plan)?;
+    let (ended, text) = match &next {
+        Next::Stop(stop) => (true, stop.text().to_string()),
+        Next::Round(next) => {
+            let path = task_table_path(&run.folder, next.round);
+            (
+                false,
+                format!("the next round is planned: {}", path.display()),
+            )
+        }
+    };
+    if args.json {
+        let error = judgement.relative_error;
+        let report = serde_json::json!({
+            "round": plan.round, "ended": ended, "cells": judgement.cells.len(),
+            "relative_error": error, "relative_error_se": judgement.relative_error_se,
+        });
+        println!("{report}");
+        return Ok(());
+    }
+    print_judgement(&judgement, run.config.target);
+    println!("round {} is committed: {text}", plan.round);
+    Ok(())
+}
+
+fn describe(task: &Task) -> String {
+    match task.part {
+        Some(part) => format!("extract cell {} part {part}", task.cell),
+        None => format!("train cell {}", task.cell),
+    }
+}
+
+/// The run folder of RUN/rounds/000/tasks.parquet.
+fn run_of(plan: &Path) -> Result<PathBuf, BadInput> {
+    let path = std::path::absolute(plan).unwrap_or_else(|_| plan.into());
+    let run = path.ancestors().nth(3).map(Path::to_path_buf);
+    run.filter(|run| run.join("run.json").exists())
+        .ok_or_else(|| not_a_plan(plan))
+}
+
+fn round_of(plan: &Path) -> Result<u32, BadInput> {
+    let path = std::path::absolute(plan).unwrap_or_else(|_| plan.into());
+    let name = path
+        .parent()
+        .and_then(|p| p.file_name()?.to_str()?.parse().ok());
+    name.ok_or_else(|| not_a_plan(plan))
+}
+
+fn not_a_plan(plan: &Path) -> BadInput {
+    BadInput(format!(
+        "{}: no plan of a run: it is RUN/rounds/000/tasks.parquet, as `rrf plan` writes it",
+        plan.display()
+    ))
+}
+
+/// The index given, or what Slurm (array task) or Kubernetes (indexed job) gives.
+fn index(args: &TaskArgs) -> Result<u32, BadInput> {
+    if let Some(index) = args.index {
+        return Ok(index);
+    }
+    for name in ["SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_INDEX"] {
+        if let Ok(text) = std::env::var(name) {
+            let bad = |_| BadInput(format!("{name}={text}: not an index"));
+            let index: u32 = text.parse().map_err(bad)?;
+            return Ok(index + args.offset);
+        }
+    }
+    Err(BadInput(
+        "no task: give --index, or run inside a Slurm array (SLURM_ARRAY_TASK_ID) or a \
+         Kubernetes indexed job (JOB_COMPLETION_INDEX)"
+            .into(),
+    ))
+}

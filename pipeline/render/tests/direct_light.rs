@@ -1,0 +1,310 @@
+//! Sampled direct light against closed forms, exact shadow rays and the path tracer.
+
+#![allow(clippy::unwrap_used)]
+
+use glam::{Vec2, Vec3};
+use rrf_field::Field;
+use rrf_field::columns;
+use rrf_field::model::CellModel;
+use rrf_field::net::Shape;
+use rrf_field::tree::Tree;
+use rrf_render::{
+    Lamps, Lights, OFF_CENTRE, Part, RenderOptions, ShadowRays, View, render, trace_frame,
+};
+use rrf_scene::{AreaLight, INVALID, Material, MaterialKind, PointLight, Scene};
+use rrf_trace::Tracer;
+use std::f64::consts::TAU;
+
+const ALBEDO: f32 = 0.6;
+const SIZE: [u32; 2] = [24, 16];
+/// Independent frames of each estimator.
+const SEEDS: u64 = 64;
+
+/// Quads of one grey Lambert material: corner and two edges, lamps last.
+fn scene(quads: &[[Vec3; 3]], lamps: &[[Vec3; 3]], radiance: f32) -> Scene {
+    let mut scene = Scene {
+        materials: vec![Material {
+            name: "grey".to_string(),
+            kind: MaterialKind::Lambert,
+            base_color: Vec3::splat(ALBEDO),
+            roughness: 0.5,
+            metallic: 0.0,
+            specular: 0.5,
+            base_texture: INVALID,
+            roughness_metallic_texture: INVALID,
+            normal_texture: INVALID,
+        }],
+        area_lights: vec![AreaLight {
+            radiance: Vec3::splat(radiance),
+            two_sided: false,
+        }],
+        ..Scene::default()
+    };
+    let black = Material {
+        base_color: Vec3::ZERO,
+        ..scene.materials[0].clone()
+    };
+    scene.materials.push(black);
+    let kinds = [(quads, 0, INVALID), (lamps, 1, 0)];
+    for (quads, material, light) in kinds {
+        for &[corner, a, b] in quads {
+            let first = scene.positions.len() as u32;
+            scene
+                .positions
+                .extend([corner, corner + a, corner + a + b, corner + b]);
+            scene.normals.extend([Vec3::ZERO; 4]);
+            scene.uvs.extend([Vec2::ZERO; 4]);
+            for [i, j, k] in [[0, 1, 2], [0, 2, 3]] {
+                scene.triangles.push([first + i, first + j, first + k]);
+                scene.triangle_material.push(material);
+                scene.triangle_light.push(light);
+                scene.triangle_object.push(0);
+            }
+        }
+    }
+    if lamps.is_empty() {
+        scene.area_lights.clear();
+    }
+    scene
+}
+
+fn floor() -> [Vec3; 3] {
+    [Vec3::new(-5.0, -5.0, 0.0), Vec3::X * 10.0, Vec3::Y * 10.0]
+}
+
+/// From the side, so that what hangs over the floor does not hide it.
+fn view() -> View {
+    View::look_at(
+        Vec3::new(0.0, -2.5, 0.9),
+        Vec3::new(0.0, 0.0, 0.0),
+        Vec3::Z,
+        40.0,
+        SIZE,
+    )
+}
+
+/// Nets of zeros: only direct light is looked at here.
+fn field() -> Field {
+    let shape = Shape {
+        sizes: vec![1, 1, 3],
+    };
+    let model = CellModel {
+        cell: 0,
+        inputs: vec![columns::P as u8],
+        input_offset: vec![0.0],
+        input_scale: vec![1.0],
+        weights: vec![0.0; shape.weights()],
+        shape,
+        output_scale: [1.0; 3],
+        output_offset: [0.0; 3],
+        divide_base: false,
+        exponential: false,
+    };
+    Field::new(Tree::single(), vec![model]).unwrap()
+}
+
+/// Red channels of direct frames with seeds 1, 2 ...
+fn frames(scene: &Scene, lights: &Lights, count: u32, adaptive: bool) -> Vec<Vec<f64>> {
+    let tracer = Tracer::new(scene).unwrap();
+    let field = field();
+    let light_box = [Vec3::splat(-1.0), Vec3::ONE];
+    let lamps = Lamps::new(scene, &field, light_box, |_| true).unwrap();
+    let frame = |seed| {
+        let options = RenderOptions {
+            part: Part::Direct,
+            lamps: Some(&lamps),
+            shadow_rays: Some(ShadowRays {
+                count,
+                adaptive,
+                seed,
+            }),
+            ..RenderOptions::default()
+        };
+        let frame = render(&tracer, &field, &view(), lights, &options).unwrap();
+        frame.full.iter().map(|p| f64::from(p.x)).collect()
+    };
+    (1..=SEEDS).map(frame).collect()
+}
+
+/// Per-pixel means and squared standard errors of independent frames.
+fn moments(frames: &[Vec<f64>]) -> Vec<(f64, f64)> {
+    let n = frames.len() as f64;
+    (0..frames[0].len())
+        .map(|pixel| {
+            let values = frames.iter().map(|f| f[pixel]);
+            let mean = values.clone().sum::<f64>() / n;
+            let square = values.map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+            (mean, square / n)
+        })
+        .collect()
+}
+
+/// No pixel is farther from the truth than chance allows. The threshold is the two-sided
+/// quantile of Student's t with 63 degrees of freedom at 1e-4 / 384 pixels (Šidák): 6.04; the
+/// truth's own squared error is added. The sum over pixels, uncorrelated given what was learned,
+/// is tested at 1e-4: 4.2.
+fn assert_unbiased(name: &str, frames: &[Vec<f64>], truth: &[(f64, f64)]) {
+    let (mut difference, mut variance) = (0.0, 0.0);
+    for (pixel, (&(mean, se2), &(m, m_se2))) in moments(frames).iter().zip(truth).enumerate() {
+        let rounding = (1e-5 * m).powi(2);
+        let t = (mean - m) / (se2 + m_se2 + rounding).sqrt().max(1e-12);
+        assert!(
+            t.abs() < 6.04,
+            "{name}, pixel {pixel}: {mean} against {m}, t {t}"
+        );
+        difference += mean - m;
+        variance += se2 + m_se2 + rounding;
+    }
+    let z = difference / variance.sqrt().max(1e-12);
+    assert!(z.abs() < 4.2, "{name}: z {z} of the sum");
+}
+
+/// Form factor from a small patch to a parallel rectangle a by b at height h whose corner is
+/// straight above the patch, odd in a and in b (Howell, configuration factors, B-3).
+fn corner_form_factor(a: f64, b: f64, h: f64) -> f64 {
+    let (x, y) = (a / h, b / h);
+    let (rx, ry) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
+    (x / rx * (y / rx).atan() + y / ry * (x / ry).atan()) / TAU
+}
+
+#[test]
+fn rectangle_over_a_floor() {
+    // y by x: the lamp shines down
+    let (x0, y0, x1, y1, h) = (-0.8f64, 0.2f64, 0.9f64, 1.0f64, 1.5f64);
+    let at = |x: f64, y: f64| Vec3::new(x as f32, y as f32, h as f32);
+    let lamp = [
+        at(x0, y0),
+        Vec3::Y * (y1 - y0) as f32,
+        Vec3::X * (x1 - x0) as f32,
+    ];
+    let radiance = 3.0;
+    let lit = scene(&[floor()], &[lamp], radiance);
+    let tracer = Tracer::new(&lit).unwrap();
+    let view = view();
+    let mut truth = Vec::new();
+    for pixel in 0..SIZE[0] * SIZE[1] {
+        let x = (pixel % SIZE[0]) as f32 + 0.5 + OFF_CENTRE[0];
+        let y = (pixel / SIZE[0]) as f32 + 0.5 + OFF_CENTRE[1];
+        let direction = view.direction(x, y);
+        let (mut rays, mut hits) = (rrf_trace::Rays::default(), rrf_trace::Hits::default());
+        rays.push(view.eye, direction, f32::INFINITY);
+        tracer.closest(&rays, &mut hits);
+        if hits.triangle[0] == INVALID {
+            truth.push((0.0, 0.0));
+            continue;
+        }
+        let p = (view.eye + hits.t[0] * direction).as_dvec3();
+        assert!(p.z < 1e-3, "the lamp is out of the picture");
+        let factor = |x: f64, y: f64| corner_form_factor(x - p.x, y - p.y, h);
+        let factor = factor(x1, y1) - factor(x0, y1) - factor(x1, y0) + factor(x0, y0);
+        let value = f64::from(ALBEDO * radiance) * factor;
+        truth.push((value, 0.0));
+    }
+    assert!(truth.iter().filter(|t| t.0 > 0.05).count() > 100);
+    let lights = Lights {
+        points: Vec::new(),
+        area: true,
+    };
+    for adaptive in [false, true] {
+        let frames = frames(&lit, &lights, 10, adaptive);
+        assert_unbiased(&format!("adaptive {adaptive}"), &frames, &truth);
+    }
+}
+
+/// A hundred point lights of very different strength, boards between them and the floor.
+fn hundred() -> (Scene, Lights) {
+    let board = |x: f32| [Vec3::new(x, -1.0, 0.3), Vec3::X * 0.5, Vec3::Y * 2.0];
+    let scene = scene(&[floor(), board(-1.2), board(0.3)], &[], 0.0);
+    let points = (0..100u32).map(|k| {
+        let turn = |step: f64| (f64::from(k) * step).fract() as f32;
+        PointLight {
+            position: Vec3::new(
+                4.0 * turn(0.754_877_67) - 2.0,
+                4.0 * turn(0.569_840_29) - 2.0,
+                0.4 + turn(0.381_966_01),
+            ),
+            intensity: Vec3::splat(0.05 * 20f32.powf(turn(0.618_033_99))),
+        }
+    });
+    let lights = Lights {
+        points: points.collect(),
+        area: false,
+    };
+    (scene, lights)
+}
+
+#[test]
+fn a_hundred_lights_against_exact_shadow_rays() {
+    let (scene, lights) = hundred();
+    let tracer = Tracer::new(&scene).unwrap();
+    let options = RenderOptions {
+        part: Part::Direct,
+        ..RenderOptions::default()
+    };
+    let exact = render(&tracer, &field(), &view(), &lights, &options).unwrap();
+    let truth: Vec<(f64, f64)> = exact.full.iter().map(|p| (f64::from(p.x), 0.0)).collect();
+    let variance = |frames: &[Vec<f64>]| moments(frames).iter().map(|m| m.1).sum::<f64>();
+    let uniform = frames(&scene, &lights, 48, false);
+    let adaptive = frames(&scene, &lights, 48, true);
+    assert_unbiased("uniform", &uniform, &truth);
+    assert_unbiased("adaptive", &adaptive, &truth);
+    // what learning is for; a ratio of two variances with 63 x 384 degrees of freedom each,
+    // which chance moves by a few hundredths
+    let gain = variance(&uniform) / variance(&adaptive);
+    assert!(gain > 1.2, "gain {gain}");
+}
+
+#[test]
+fn a_large_hidden_lamp_against_the_path_tracer() {
+    let lamp = [Vec3::new(-2.0, -2.0, 1.5), Vec3::Y * 4.0, Vec3::X * 4.0];
+    // leaves a slit of the lamp to be seen from the floor
+    let board = [Vec3::new(-2.5, -2.5, 1.2), Vec3::X * 3.8, Vec3::Y * 5.0];
+    let lit = scene(&[floor(), board], &[lamp], 2.0);
+    let lights = Lights {
+        points: Vec::new(),
+        area: true,
+    };
+    let tracer = Tracer::new(&lit).unwrap();
+    let traced: Vec<Vec<f64>> = (1..=SEEDS)
+        .map(|seed| {
+            let frame = trace_frame(&tracer, &view(), &lights, 16, 1, seed, &|_| {}).unwrap();
+            frame
+                .direct
+                .unwrap()
+                .iter()
+                .map(|p| f64::from(p.x))
+                .collect()
+        })
+        .collect();
+    let truth = moments(&traced);
+    for adaptive in [false, true] {
+        let frames = frames(&lit, &lights, 16, adaptive);
+        assert_unbiased(&format!("adaptive {adaptive}"), &frames, &truth);
+    }
+}
+
+/// The sampled light of one point alone is the exact one, whatever the number of rays.
+#[test]
+fn one_point_light_has_no_noise() {
+    let scene = scene(&[floor()], &[], 0.0);
+    let lights = Lights {
+        points: vec![PointLight {
+            position: Vec3::Z,
+            intensity: Vec3::ONE,
+        }],
+        area: false,
+    };
+    let options = RenderOptions {
+        part: Part::Direct,
+        ..RenderOptions::default()
+    };
+    let tracer = Tracer::new(&scene).unwrap();
+    let exact = render(&tracer, &field(), &view(), &lights, &options).unwrap();
+    let frames = frames(&scene, &lights, 5, true);
+    for (pixel, (mean, _)) in exact.full.iter().zip(moments(&frames)) {
+        assert!(
+            (f64::from(pixel.x) - mean).abs() <= 1e-5 * mean,
+            "{pixel} {mean}"
+        );
+    }
+}

@@ -1,0 +1,369 @@
+//! Quadratic regression of a cell's radiance, and the cut of a cell that helps it most.
+//!
+//! A quadratic polynomial of the raw columns is fitted by weighted ridge regression in one pass.
+//! It is no match for a net, but it is a thousand times cheaper, and where two polynomials, one
+//! a side, leave much less than one over the whole, two nets do so too: cuts are chosen by it.
+
+use crate::linalg::Cholesky;
+use ndarray::{Array2, ArrayView2, s};
+use rrf_field::columns::{self, Columns};
+
+/// A cut of a cell in two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Raw column.
+    pub axis: usize,
+    /// Rows below it go left.
+    pub threshold: f32,
+    /// Mean squared relative residual of one polynomial over the whole cell.
+    pub before: f64,
+    /// The same of one polynomial a side.
+    pub after: f64,
+}
+
+/// Share of the rows below a cut that is tried.
+const QUANTILES: [f64; 5] = [0.25, 0.375, 0.5, 0.625, 0.75];
+/// A cut moves to the middle of the widest gap between rows within this share of its quantile:
+/// between two objects, two walls, or the two sides of one.
+const SLACK: f64 = 0.06;
+/// Ridge, as a share of the mean diagonal of the normal equations.
+const RIDGE: f64 = 1e-8;
+/// Columns that cells are cut along; a material's parameters vary within an object.
+const AXES: std::ops::Range<usize> = 0..columns::GEOMETRY;
+/// Rows looked at, at the most.
+const MOST_ROWS: usize = 8192;
+
+/// The cut that removes most, or none where no cut leaves `fewest` rows on both sides.
+/// `halves` and `floor` (ε in radiance) as in [`crate::fit_cell`]; `viewer` says whether cuts
+/// along the viewer's direction can help.
+pub fn best_cut(
+    rows: &Columns,
+    halves: [&[[f32; 3]]; 2],
+    floor: f64,
+    fewest: usize,
+    viewer: bool,
+) -> Option<Cut> {
+    let [a, b] = halves;
+    let usable: Vec<usize> = (0..rows.len().min(a.len()).min(b.len()))
+        .filter(|&r| a[r].iter().chain(&b[r]).all(|y| y.is_finite()))
+        .collect();
+    let step = usable.len().div_ceil(MOST_ROWS).max(1);
+    let usable: Vec<usize> = usable.into_iter().step_by(step).collect();
+    let fewest = fewest.div_ceil(step).max(1);
+    if usable.len() < 2 * fewest {
+        return None;
+    }
+    let axes: Vec<usize> = AXES
+        .filter(|c| viewer || !(columns::V..columns::L).contains(c))
+        .filter(|&c| varies(&rows.columns[c], &usable))
+        .collect();
+    let features = features(rows, &usable, &axes);
+    let targets = targets(halves, &usable, floor);
+    let rows_used = usable.len() as f64;
+    let mut best: Option<Cut> = None;
+    for &axis in &axes {
+        let column: Vec<f32> = usable.iter().map(|&r| rows.columns[axis][r]).collect();
+        let mut order: Vec<usize> = (0..column.len()).collect();
+        order.sort_by(|&i, &j| column[i].total_cmp(&column[j]).then(i.cmp(&j)));
+        let places = places(&column, &order, fewest);
+        let sums = Sums::of_stretches(&features, &targets, &order, &places);
+        let whole = sums
+            .iter()
+            .fold(Sums::zeros(&features), |all, s| all.plus(s));
+        let before = whole.residual();
+        let mut left = Sums::zeros(&features);
+        for (&place, stretch) in places.iter().zip(&sums) {
+            left = left.plus(stretch);
+            let after = left.residual() + whole.minus(&left).residual();
+            if best.is_none_or(|b| after < b.after * rows_used) {
+                best = Some(Cut {
+                    axis,
+                    threshold: between(column[order[place - 1]], column[order[place]]),
+                    before: before / rows_used,
+                    after: after / rows_used,
+                });
+            }
+        }
+    }
+    best
+}
+
+fn varies(column: &[f32], usable: &[usize]) -> bool {
+    let (low, high) = usable
+        .iter()
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &r| {
+            (l.min(column[r]), h.max(column[r]))
+        });
+    // coordinates of a plane wobble by their rounding
+    high - low > 1e-4 * low.abs().max(high.abs())
+}
+
+/// A threshold above `low` and not above `high`.
+fn between(low: f32, high: f32) -> f32 {
+    let middle = low + (high - low) * 0.5;
+    if middle > low { middle } else { high }
+}
+
+/// Places in `order` to cut before, ascending; each at a gap of the column.
+fn places(column: &[f32], order: &[usize], fewest: usize) -> Vec<usize> {
+    let n = order.len();
+    let gap = |i: usize| column[order[i]] - column[order[i - 1]];
+    let slack = (n as f64 * SLACK) as usize;
+    let mut places: Vec<usize> = QUANTILES
+        .iter()
+        .filter_map(|q| {
+            let middle = (n as f64 * q) as usize;
+            let low = middle.saturating_sub(slack).max(fewest).max(1);
+            let high = (middle + slack).min(n - fewest);
+            (low..=high)
+                .filter(|&i| i < n && gap(i) > 0.0)
+                .max_by(|&i, &j| {
+                    let near = |k: usize| k.abs_diff(middle);
+                    gap(i).total_cmp(&gap(j)).then(near(j).cmp(&near(i)))
+                })
+        })
+        .collect();
+    places.dedup();
+    places
+}
+
+/// 1, x_i and x_i x_j of the standardised columns `axes`, shape [rows, terms].
+fn features(rows: &Columns, usable: &[usize], axes: &[usize]) -> Array2<f64> {
+    let n = usable.len() as f64;
+    let scaled: Vec<Vec<f64>> = axes
+        .iter()
+        .map(|&c| {
+            let x = |r: &usize| f64::from(rows.columns[c][*r]);
+            let mean = usable.iter().map(x).sum::<f64>() / n;
+            let square = usable.iter().map(|r| (x(r) - mean).powi(2)).sum::<f64>() / n;
+            let scale = 1.0 / square.sqrt().max(f64::MIN_POSITIVE);
+            usable.iter().map(|r| (x(r) - mean) * scale).collect()
+        })
+        .collect();
+    let k = axes.len();
+    let mut f = Array2::ones((usable.len(), 1 + k + k * (k + 1) / 2));
+    for row in 0..usable.len() {
+        for (i, column) in scaled.iter().enumerate() {
+            f[[row, 1 + i]] = column[row];
+        }
+        let mut term = 1 + k;
+        for i in 0..k {
+            for j in i..k {
+                f[[row, term]] = scaled[i][row] * scaled[j][row];
+                term += 1;
+            }
+        }
+    }
+    f
+}
+
+/// Targets and, in the last column, the weight 1 / max(luminance, floor) of each row.
+fn targets(halves: [&[[f32; 3]]; 2], usable: &[usize], floor: f64) -> Array2<f64> {
+    Array2::from_shape_fn((usable.len(), 4), |(i, c)| {
+        let y = |c: usize| {
+            let r = usable[i];
+            0.5 * (f64::from(halves[0][r][c]) + f64::from(halves[1][r][c]))
+        };
+        match c {
+            3 => 1.0 / ((y(0) + y(1) + y(2)) / 3.0).max(floor.max(f64::MIN_POSITIVE)),
+            _ => y(c),
+        }
+    })
+}
+
+/// Normal equations of some rows: FᵀW²F, FᵀW²Y and tr YᵀW²Y.
+#[derive(Clone)]
+struct Sums {
+    matrix: Array2<f64>,
+    right: Array2<f64>,
+    square: f64,
+}
+
+impl Sums {
+    fn zeros(features: &Array2<f64>) -> Sums {
+        let k = features.ncols();
+        Sums {
+            matrix: Array2::zeros((k, k)),
+            right: Array2::zeros((k, 3)),
+            square: 0.0,
+        }
+    }
+
+    /// Of the rows before the first place, between the first and the second, and so on.
+    fn of_stretches(
+        features: &Array2<f64>,
+        targets: &Array2<f64>,
+        order: &[usize],
+        places: &[usize],
+    ) -> Vec<Sums> {
+        let mut first = 0;
+        let ends = places.iter().copied().chain([order.len()]);
+        ends.map(|end| {
+            let stretch = &order[first..end];
+            first = end;
+            let weight = |i: usize| targets[[stretch[i], 3]];
+            let (k, n) = (features.ncols(), stretch.len());
+            let f = Array2::from_shape_fn((n, k), |(i, j)| features[[stretch[i], j]] * weight(i));
+            let y = Array2::from_shape_fn((n, 3), |(i, c)| targets[[stretch[i], c]] * weight(i));
+            Sums {
+                matrix: f.t().dot(&f),
+                right: f.t().dot(&y),
+                square: y.iter().map(|y| y * y).sum(),
+            }
+        })
+        .collect()
+    }
+
+    fn plus(&self, other: &Sums) -> Sums {
+        Sums {
+            matrix: &self.matrix + &other.matrix,
+            right: &self.right + &other.right,
+            square: self.square + other.square,
+        }
+    }
+
+    fn minus(&self, other: &Sums) -> Sums {
+        Sums {
+            matrix: &self.matrix - &other.matrix,
+            right: &self.right - &other.right,
+            square: self.square - other.square,
+        }
+    }
+
+    /// Squared weighted residuals of the best polynomial, mean of the channels; all of the
+    /// targets' where the equations have no solution.
+    fn residual(&self) -> f64 {
+        let explained =
+            solve(self.matrix.view(), self.right.view()).map_or(0.0, |x| (&x * &self.right).sum());
+        (self.square - explained).max(0.0) / 3.0
+    }
+}
+
+/// (A + ridge) X = B.
+fn solve(a: ArrayView2<f64>, b: ArrayView2<f64>) -> Option<Array2<f64>> {
+    let k = a.nrows();
+    let ridge = RIDGE * a.diag().sum() / k as f64;
+    let mut factor = Cholesky::default();
+    let matrix: Vec<f64> = a.iter().copied().collect();
+    factor.factor(&matrix, &vec![ridge; k]).ok()?;
+    let mut x = Array2::zeros(b.dim());
+    for c in 0..b.ncols() {
+        let mut column: Vec<f64> = b.slice(s![.., c]).to_vec();
+        factor.solve(&mut column).ok()?;
+        x.slice_mut(s![.., c])
+            .iter_mut()
+            .zip(column)
+            .for_each(|(x, v)| *x = v);
+    }
+    Some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rrf_field::rng::{Stage, Stream};
+
+    fn rows(n: usize) -> Columns {
+        let stream = Stream::new(4, Stage::Test, 0);
+        let mut rows = Columns::default();
+        for r in 0..n as u64 {
+            rows.push(std::array::from_fn(|c| stream.f64(r, c as u32) as f32));
+        }
+        rows
+    }
+
+    fn cut(rows: &Columns, y: impl Fn(&[f32; columns::COUNT]) -> f32) -> Option<Cut> {
+        let y: Vec<[f32; 3]> = (0..rows.len()).map(|r| [y(&rows.row(r)); 3]).collect();
+        best_cut(rows, [&y, &y], 1e-3, 100, true)
+    }
+
+    /// A step in one column: cut there, and nothing is left over.
+    #[test]
+    fn cuts_at_a_step() {
+        for axis in [0, 4, 7, 11] {
+            let mut rows = rows(3000);
+            // a gap about the step, as between two objects
+            for x in &mut rows.columns[axis] {
+                *x = if *x < 0.4 { *x } else { *x + 0.1 };
+            }
+            let cut = cut(&rows, |r| {
+                if r[axis] < 0.45 {
+                    1.0 + r[0]
+                } else {
+                    3.0 - r[1]
+                }
+            })
+            .unwrap();
+            assert_eq!(cut.axis, axis);
+            assert!((0.4..0.5).contains(&cut.threshold), "{cut:?}");
+            // What the ridge leaves is 1e-8 times squared coefficients of size 1 or 2.
+            assert!(
+                cut.before > 1e-3 && cut.after < 1e-5 * cut.before,
+                "{cut:?}"
+            );
+        }
+    }
+
+    /// Residuals of the whole equal those of a fit by plain Gram-Schmidt on the weighted terms.
+    #[test]
+    fn residual_equals_orthogonal_projection() {
+        let mut rows = rows(500);
+        rows.columns[2..columns::COUNT]
+            .iter_mut()
+            .for_each(|c| c.fill(0.5));
+        let y = |x: f64, z: f64| 1.0 + (3.0 * x).sin() + z * z * x;
+        let found = cut(&rows, |r| y(f64::from(r[0]), f64::from(r[1])) as f32).unwrap();
+        let value = |r: usize| {
+            let (x, z) = (f64::from(rows.columns[0][r]), f64::from(rows.columns[1][r]));
+            (x, z, f64::from(y(x, z) as f32))
+        };
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        let column = |f: fn(f64, f64, f64) -> f64| -> Vec<f64> {
+            let one = |r| {
+                let (x, z, y) = value(r);
+                f(x, z, y) / y
+            };
+            (0..500).map(one).collect()
+        };
+        let terms: [fn(f64, f64, f64) -> f64; 7] = [
+            |_, _, _| 1.0,
+            |x, _, _| x,
+            |_, z, _| z,
+            |x, _, _| x * x,
+            |x, z, _| x * z,
+            |_, z, _| z * z,
+            |_, _, y| y,
+        ];
+        let mut rest = Vec::new();
+        for term in terms {
+            let mut v = column(term);
+            for _ in 0..2 {
+                for b in &basis {
+                    let dot: f64 = b.iter().zip(&v).map(|(b, v)| b * v).sum();
+                    v.iter_mut().zip(b).for_each(|(v, b)| *v -= dot * b);
+                }
+            }
+            let norm = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+            rest.clone_from(&v);
+            basis.push(v.iter().map(|v| v / norm).collect());
+        }
+        let expected = rest.iter().map(|v| v * v).sum::<f64>() / 500.0;
+        // the ridge adds at most its share of the coefficients' energy
+        assert!(
+            (found.before / expected - 1.0).abs() < 1e-2,
+            "{} {expected}",
+            found.before
+        );
+    }
+
+    #[test]
+    fn no_cut_of_equal_or_few_rows() {
+        let mut same = Columns::default();
+        (0..500).for_each(|_| same.push([0.3; columns::COUNT]));
+        assert_eq!(cut(&same, |_| 1.0), None);
+        assert_eq!(cut(&rows(150), |r| r[0]), None);
+        assert_eq!(cut(&Columns::default(), |_| 1.0), None);
+        let nan = |r: &[f32; columns::COUNT]| if r[0] > 0.1 { f32::NAN } else { 1.0 };
+        assert_eq!(cut(&rows(600), nan), None);
+    }
+}

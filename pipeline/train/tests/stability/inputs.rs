@@ -1,0 +1,55 @@
+//! Inputs that are constant, zero, or of outlandish scale.
+
+use crate::cells::{self, Cell, smooth};
+
+#[test]
+fn constant_and_zero_inputs_are_dropped_and_named() {
+    let mut cell = Cell::new(600, 0.0, smooth);
+    cell.column("vx").fill(0.0);
+    cell.column("vy").fill(0.25);
+    // what f32 makes of a plane's coordinate
+    let wobble = |i: usize| 1.0 + f32::EPSILON * (i % 3) as f32;
+    *cell.column("vz") = (0..600).map(wobble).collect();
+    let fit = cell.fit(&cells::config());
+    assert_eq!(cells::names(&fit.report.dropped_inputs), ["vx", "vy", "vz"]);
+    assert_eq!(
+        cells::names(&fit.model.inputs),
+        ["px", "py", "lx", "ly", "lz"]
+    );
+    assert!(cell.error(&fit.model, smooth) < 0.1 * cells::of_the_mean(&cell));
+}
+
+/// 2^40 = 1.1e12, a power of two: the scaled inputs are the same numbers, so is the net.
+/// (A vector's coordinates go together: beside one of 1e12 another of 1 counts as rounding.)
+#[test]
+fn inputs_scaled_by_1e12_change_nothing() {
+    let mut cell = Cell::new(600, 0.0, smooth);
+    let plain = cell.fit(&cells::config());
+    for (name, power) in [
+        ("px", 40),
+        ("py", 40),
+        ("lx", -40),
+        ("ly", -40),
+        ("lz", -40),
+    ] {
+        cell.column(name)
+            .iter_mut()
+            .for_each(|x| *x *= 2f32.powi(power));
+    }
+    let scaled = cell.fit(&cells::config());
+    assert_eq!(plain.model.weights, scaled.model.weights);
+    assert_eq!(
+        plain.metrics.validation_error,
+        scaled.metrics.validation_error
+    );
+}
+
+/// Equal columns make JᵀJ singular; damping and decay share the weight out between them.
+#[test]
+fn duplicated_inputs_do_no_harm() {
+    let mut cell = Cell::new(600, 0.0, smooth);
+    *cell.column("vx") = cell.column("px").clone();
+    *cell.column("vy") = cell.column("px").clone();
+    let fit = cell.fit(&cells::config());
+    assert!(cell.error(&fit.model, smooth) < 0.1 * cells::of_the_mean(&cell));
+}

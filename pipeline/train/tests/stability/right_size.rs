@@ -1,0 +1,72 @@
+//! The smallest model that will do, and no input that earns nothing.
+
+use crate::cells::{self, Cell, Row, smooth};
+use rrf_train::{Size, Stop, TrainConfig};
+
+fn smallest(target: f64) -> TrainConfig {
+    TrainConfig {
+        size: Size::Smallest { target },
+        prune: Some(0.0),
+        ..cells::config()
+    }
+}
+
+/// Linear in px and lz: a linear model of these two inputs, the others named as dropped.
+#[test]
+fn linear() {
+    let y = |x: &Row| [2.0 + x[0], 2.0 - 0.5 * x[7], 2.0 + 0.5 * x[0] + 0.5 * x[7]];
+    let cell = Cell::new(900, 0.02, y);
+    let fit = cell.fit(&smallest(0.02));
+    assert_eq!(fit.model.shape.sizes, [2, 3]);
+    assert_eq!(cells::names(&fit.model.inputs), ["px", "lz"]);
+    assert_eq!(
+        cells::names(&fit.report.dropped_inputs),
+        ["py", "vx", "vy", "vz", "lx", "ly"]
+    );
+    assert_eq!(fit.metrics.stop, Stop::Target);
+    assert!(cell.error(&fit.model, y) < 0.02);
+}
+
+/// A sum of two ridge functions: one small hidden layer, two inputs.
+#[test]
+fn separable() {
+    let y = |x: &Row| [1.5 + (2.0 * x[0]).tanh(), 1.5 + (2.0 * x[5]).tanh(), 1.5];
+    let cell = Cell::new(900, 0.02, y);
+    let fit = cell.fit(&smallest(0.03));
+    assert_eq!(fit.model.shape.sizes.len(), 3);
+    assert!(fit.model.shape.sizes[1] <= 4);
+    assert_eq!(cells::names(&fit.model.inputs), ["px", "lx"]);
+}
+
+/// Radiance that does not depend on v (nor on lz): both are found out.
+#[test]
+fn independent_of_the_viewer() {
+    let cell = Cell::new(1500, 0.02, smooth);
+    let fit = cell.fit(&smallest(0.05));
+    let names = cells::names(&fit.model.inputs);
+    assert!(names.iter().all(|name| !name.starts_with('v')), "{names:?}");
+    assert!(names.contains(&"px") && names.contains(&"lx"), "{names:?}");
+    assert!(fit.metrics.validation_error.relative() <= 0.05);
+}
+
+/// A constant under noise of 30 %: a constant, although the targets vary.
+#[test]
+fn noisy_constant() {
+    let cell = Cell::new(900, 0.3, |_| [1.0, 0.5, 2.0]);
+    let fit = cell.fit(&smallest(0.05));
+    assert_eq!(fit.model.shape.sizes, [0, 3]);
+    assert_eq!(fit.metrics.stop, Stop::Target);
+    assert_eq!(cells::names(&fit.report.dropped_inputs), cells::INPUTS);
+}
+
+/// No net of the ladder reaches 0.1 %: the best one is kept and the reason is not the target.
+#[test]
+fn out_of_reach() {
+    let cell = Cell::new(600, 0.02, smooth);
+    let fit = cell.fit(&TrainConfig {
+        prune: None,
+        ..smallest(0.001)
+    });
+    assert_ne!(fit.metrics.stop, Stop::Target);
+    assert!(fit.model.shape.sizes.len() == 4);
+}

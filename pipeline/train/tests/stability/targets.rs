@@ -1,0 +1,88 @@
+//! Targets that are not what a net expects: fireflies, NaN, constants, edges.
+
+use crate::cells::{self, Cell, smooth};
+use rrf_train::Stop;
+
+/// One target a million times too bright, as a path that found the light by chance leaves it:
+/// in one half. The relative loss divides by it, so that it counts as one wrong row of many.
+#[test]
+fn one_target_a_million_times_the_rest() {
+    let mut cell = Cell::new(900, 0.02, smooth);
+    cell.halves[0][100] = [1e6; 3];
+    let fit = cell.fit(&cells::config());
+    let error = cell.error(&fit.model, smooth);
+    assert!(error < 0.1 * cells::of_the_mean(&cell), "{error}");
+}
+
+/// Bad rows are left out, counted and named, and what stands in them has no influence at all:
+/// the same rows bad in another way give the same bits.
+#[test]
+fn nan_and_infinite_targets_are_quarantined() {
+    let plain = Cell::new(600, 0.02, smooth);
+    let bad_rows = [3u32, 77, 300, 599];
+    let spoil = |value: f32| {
+        let mut cell = plain.clone();
+        cell.halves[0][3][1] = value;
+        cell.halves[1][77] = [value; 3];
+        cell.column("px")[300] = value;
+        cell.column("lz")[599] = value;
+        cell.fit(&cells::config())
+    };
+    let fits = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY].map(spoil);
+    for fit in &fits {
+        assert_eq!(fit.report.quarantined, bad_rows);
+        assert_eq!(fit.metrics.quarantined_rows, 4);
+        assert_eq!(fit.metrics.train_rows + fit.metrics.validation_rows, 596);
+        assert_eq!(fit.model.weights, fits[0].model.weights);
+    }
+    let whole = plain.fit(&cells::config());
+    let [a, b] = [&whole, &fits[0]].map(|fit| plain.error(&fit.model, smooth));
+    assert!(b < 1.5 * a, "{a} became {b}");
+}
+
+#[test]
+fn nothing_but_nan() {
+    let mut cell = Cell::new(50, 0.0, smooth);
+    cell.halves[1].fill([f32::NAN; 3]);
+    let fit = cell.fit(&cells::config());
+    assert_eq!(fit.metrics.stop, Stop::NoRows);
+    assert_eq!(fit.metrics.quarantined_rows, 50);
+}
+
+#[test]
+fn a_constant_target_is_a_constant() {
+    let fit = Cell::new(300, 0.0, |_| [0.5, 0.25, 2.0]).fit(&cells::config());
+    assert_eq!(fit.metrics.stop, Stop::Constant);
+    assert_eq!(fit.model.shape.sizes, [0, 3]);
+    assert_eq!(fit.model.output_offset, [0.5, 0.25, 2.0]);
+    let black = Cell::new(300, 0.0, |_| [0.0; 3]).fit(&cells::config());
+    assert_eq!(black.metrics.stop, Stop::Constant);
+    assert_eq!(black.model.output_offset, [0.0; 3]);
+}
+
+/// A shadow's edge through the cell, oblique to all axes: no smooth net is exact, but the fit
+/// ends and explains most of it. The constant leaves 0.9 of relative error.
+#[test]
+fn a_cell_cut_by_a_discontinuity() {
+    let edge = |x: &cells::Row| [if x[0] + 0.7 * x[5] > 0.1 { 1.0 } else { 0.1 }; 3];
+    let cell = Cell::new(1500, 0.0, edge);
+    let fit = cell.fit(&cells::config());
+    assert!(fit.metrics.iterations <= cells::config().iterations);
+    let error = cell.error(&fit.model, edge);
+    assert!(error < 0.9, "{error}");
+}
+
+/// Targets as large and as small as f32 holds.
+#[test]
+fn targets_at_the_ends_of_f32() {
+    for size in [1e-30, 1e30] {
+        let cell = Cell::new(300, 0.0, |x| smooth(x).map(|y| size * y));
+        let config = rrf_train::TrainConfig {
+            mean_luminance: None,
+            ..cells::config()
+        };
+        let fit = cell.fit(&config);
+        let error = fit.metrics.validation_error.relative();
+        assert!(error < 0.5, "{size}: {error}, {:?}", fit.metrics.stop);
+    }
+}

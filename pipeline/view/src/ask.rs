@@ -1,0 +1,143 @@
+//! What a page can ask for: a view, its lights, and what to show of them.
+
+use glam::Vec3;
+use rrf_render::{Lights, View};
+use rrf_scene::PointLight;
+use serde::Deserialize;
+
+/// Most pixels a side of a live picture.
+pub const LARGEST_SIDE: u32 = 2048;
+/// Most lights of a live picture.
+pub const MOST_LIGHTS: usize = 64;
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Direct and indirect light.
+    #[default]
+    Full,
+    /// Light straight from the lights.
+    Direct,
+    /// Light from other surfaces: the nets.
+    Indirect,
+    /// Which net lit each pixel.
+    Cells,
+    /// Where the nets were trained.
+    Trust,
+}
+
+/// A question as it comes over the wire: positions in metres, world frame; `lights` are rows of
+/// position and radiant intensity [W/sr].
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ask {
+    /// Comes back with the answer.
+    #[serde(default)]
+    pub id: u32,
+    eye: [f32; 3],
+    right: [f32; 3],
+    up: [f32; 3],
+    forward: [f32; 3],
+    fov: f32,
+    size: [u32; 2],
+    lights: Vec<[f32; 6]>,
+    /// What to show.
+    #[serde(default)]
+    pub mode: Mode,
+    /// Exposure in stops; none to have it chosen from the picture.
+    #[serde(default)]
+    pub exposure: Option<f32>,
+    /// A place in the picture, in pixels from the top left, whose surface point is wanted
+    /// instead of a frame.
+    #[serde(default)]
+    pub pick: Option<[f32; 2]>,
+}
+
+impl Ask {
+    /// A question that can be answered, or why it cannot.
+    pub fn parse(text: &str) -> Result<Ask, String> {
+        let ask: Ask = serde_json::from_str(text).map_err(|e| e.to_string())?;
+        let [width, height] = ask.size;
+        if width > LARGEST_SIDE || height > LARGEST_SIDE {
+            return Err(format!(
+                "a live picture has at most {LARGEST_SIDE} pixels a side"
+            ));
+        }
+        if ask.lights.len() > MOST_LIGHTS {
+            return Err(format!("a live picture has at most {MOST_LIGHTS} lights"));
+        }
+        if ask.exposure.is_some_and(|ev| !ev.is_finite()) {
+            return Err("the exposure is not finite".into());
+        }
+        ask.view().check().map_err(|e| e.to_string())?;
+        ask.lights().check().map_err(|e| e.to_string())?;
+        Ok(ask)
+    }
+
+    /// The view.
+    pub fn view(&self) -> View {
+        View {
+            eye: self.eye.into(),
+            right: self.right.into(),
+            up: self.up.into(),
+            forward: self.forward.into(),
+            fov: self.fov,
+            width: self.size[0],
+            height: self.size[1],
+        }
+    }
+
+    /// The lights.
+    pub fn lights(&self) -> Lights {
+        let light = |&[x, y, z, r, g, b]: &[f32; 6]| PointLight {
+            position: Vec3::new(x, y, z),
+            intensity: Vec3::new(r, g, b),
+        };
+        Lights {
+            points: self.lights.iter().map(light).collect(),
+            area: false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = r#"{"eye":[0,0,0],"right":[1,0,0],"up":[0,1,0],"forward":[0,0,-1],
+        "fov":40,"size":[64,48],"lights":[[0,1,0,1,1,1]],"mode":"cells"}"#;
+
+    #[test]
+    fn a_question_is_a_view_lights_and_a_mode() {
+        let ask = Ask::parse(GOOD).unwrap();
+        assert_eq!((ask.view().width, ask.view().height), (64, 48));
+        assert_eq!(ask.lights().points[0].position, Vec3::Y);
+        assert_eq!(
+            (ask.mode, ask.exposure, ask.pick),
+            (Mode::Cells, None, None)
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_shown_is_refused() {
+        let bad = [
+            ("\"size\":[64,48]", "\"size\":[0,48]"),
+            ("\"size\":[64,48]", "\"size\":[64,4096]"),
+            ("\"forward\":[0,0,-1]", "\"forward\":[0,0,0]"),
+            ("\"fov\":40", "\"fov\":180"),
+            ("\"fov\":40", "\"fov\":1e999"),
+            ("[0,1,0,1,1,1]", "[0,1,0,1,1]"),
+            ("[0,1,0,1,1,1]", "[0,1e39,0,1,1,1]"),
+            ("\"mode\":\"cells\"", "\"mode\":\"x\""),
+            ("\"mode\":\"cells\"", "\"file\":\"/etc/passwd\""),
+            ("\"mode\":\"cells\"", "\"exposure\":1e39"),
+        ];
+        for (good, bad) in bad {
+            let text = GOOD.replace(good, bad);
+            assert!(text != GOOD && Ask::parse(&text).is_err(), "{bad}");
+        }
+        let many = vec!["[0,1,0,1,1,1]"; MOST_LIGHTS + 1].join(",");
+        assert!(Ask::parse(&GOOD.replace("[0,1,0,1,1,1]", &many)).is_err());
+    }
+}

@@ -1,0 +1,99 @@
+//! The socket of live frames: a question, a frame.
+
+use crate::ask::{Ask, Mode};
+use crate::pixels;
+use crate::show::Show;
+use crate::socket::{Ended, Socket};
+use glam::Vec3;
+use rrf_render::tone::Exposure;
+use rrf_render::{Frame, Part, RenderError, RenderOptions, Renderer};
+use rrf_trace::{Hits, Rays};
+use serde_json::{Value, json};
+use std::time::Instant;
+
+/// Answers until the page goes.
+pub fn serve(show: &Show, socket: &mut Socket) -> Result<(), Ended> {
+    socket.tell(&json!({ "hello": show.hello() }))?;
+    let renderer = show.renderer();
+    let mut frame = Frame::default();
+    loop {
+        let ask = match Ask::parse(&socket.ask()?) {
+            Ok(ask) => ask,
+            Err(reason) => {
+                socket.tell(&json!({ "error": reason }))?;
+                continue;
+            }
+        };
+        if let Some(at) = ask.pick {
+            socket.tell(&json!({ "id": ask.id, "picked": pick(show, &ask, at) }))?;
+            continue;
+        }
+        match answer(show, &renderer, &ask, &mut frame) {
+            Ok((facts, bytes)) => {
+                socket.tell(&facts)?;
+                socket.send(bytes)?;
+            }
+            Err(error) => socket.tell(&json!({ "id": ask.id, "error": error.to_string() }))?,
+        }
+    }
+}
+
+/// The frame asked for, as facts and as bytes.
+fn answer(
+    show: &Show,
+    renderer: &Renderer,
+    ask: &Ask,
+    frame: &mut Frame,
+) -> Result<(Value, Vec<u8>), RenderError> {
+    let start = Instant::now();
+    let stages = renderer.render(&ask.view(), &ask.lights(), &options(show, ask.mode), frame)?;
+    let rendered = start.elapsed();
+    let exposure = exposure(ask, frame);
+    let bytes = pixels::shown(frame, ask.mode, exposure);
+    let stages = stages
+        .table()
+        .map(|(name, time)| (name, 1e3 * time.as_secs_f64()));
+    let facts = json!({
+        "id": ask.id,
+        "size": [frame.width, frame.height],
+        "render_ms": 1e3 * rendered.as_secs_f64(),
+        "frame_ms": 1e3 * start.elapsed().as_secs_f64(),
+        "thread_ms": stages,
+        "exposure": exposure.ev,
+        "notices": show.notices(ask),
+    });
+    Ok((facts, bytes))
+}
+
+/// How a mode's frame is made.
+pub fn options<'a>(show: &Show<'a>, mode: Mode) -> RenderOptions<'a> {
+    RenderOptions {
+        part: match mode {
+            Mode::Full => Part::Full,
+            Mode::Direct => Part::Direct,
+            _ => Part::Indirect,
+        },
+        trusted: (mode == Mode::Trust).then_some(show.trusted),
+        ..RenderOptions::default()
+    }
+}
+
+/// The exposure asked for, or one chosen from the picture.
+pub fn exposure(ask: &Ask, frame: &Frame) -> Exposure {
+    let chosen = || Exposure::automatic(&frame.picture());
+    ask.exposure.map_or_else(chosen, |ev| Exposure { ev })
+}
+
+/// The surface point at a place of the picture, if any.
+fn pick(show: &Show, ask: &Ask, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
+    let view = ask.view();
+    let direction = view.direction(x, y);
+    if !direction.is_finite() {
+        return None;
+    }
+    let (mut rays, mut hits) = (Rays::default(), Hits::default());
+    rays.push(view.eye, direction, f32::INFINITY);
+    show.tracer.closest(&rays, &mut hits);
+    let t = hits.t.first().filter(|t| t.is_finite())?;
+    Some(Vec3::to_array(&(view.eye + *t * direction)))
+}

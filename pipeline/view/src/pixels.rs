@@ -1,0 +1,139 @@
+//! Frames as a screen's bytes: R, G, B and 255, row by row from the top left.
+
+use crate::ask::Mode;
+use glam::Vec3;
+use rayon::prelude::*;
+use rrf_render::tone::{Exposure, srgb8};
+use rrf_render::{Frame, Picture, luminance, png};
+use std::sync::LazyLock;
+
+/// Steps of [`ENCODED`]: 5 a grey level where the sRGB curve is steepest.
+const STEPS: usize = 1 << 14;
+/// sRGB byte of a linear value, by its step: at most one level off the exact rounding.
+static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let value = |step: usize| Vec3::splat(step as f32 / STEPS as f32);
+    (0..=STEPS)
+        .map(|step| srgb8(value(step), Exposure::default())[0])
+        .collect()
+});
+/// Pixels that a thread takes at once.
+const RUN: usize = 4096;
+/// The relative difference that [`difference`] shows in full colour.
+pub const FULL_DIFFERENCE: f32 = 0.5;
+
+/// A frame by its mode; `frame.full` holds the part asked for.
+pub fn shown(frame: &Frame, mode: Mode, exposure: Exposure) -> Vec<u8> {
+    match mode {
+        Mode::Cells => {
+            let cells = frame.cell.as_deref().unwrap_or_default();
+            coded(cells, |&cell| png::cell_color(cell))
+        }
+        Mode::Trust => trust(frame, exposure),
+        _ => exposed(&frame.full, exposure),
+    }
+}
+
+/// Linear radiance at an exposure.
+pub fn exposed(pixels: &[Vec3], exposure: Exposure) -> Vec<u8> {
+    let encoded: &[u8] = &ENCODED;
+    let scale = exposure.ev.exp2() * STEPS as f32;
+    coded(pixels, |pixel| {
+        (*pixel * scale).to_array().map(|x| {
+            // NaN and what is below zero are cast to 0.
+            let step = (x + 0.5) as usize;
+            encoded.get(step.min(STEPS)).copied().unwrap_or(0)
+        })
+    })
+}
+
+/// The picture in grey, where the nets were not trained in orange.
+fn trust(frame: &Frame, exposure: Exposure) -> Vec<u8> {
+    let trust = frame.trust.as_deref().unwrap_or_default();
+    let pairs: Vec<(f32, f32)> = frame
+        .full
+        .iter()
+        .zip(trust)
+        .map(|(&p, &trust)| (luminance(p), trust))
+        .collect();
+    coded(&pairs, |&(y, trust)| {
+        let [grey, ..] = srgb8(Vec3::splat(y), exposure);
+        let doubt = 1.0 - trust.clamp(0.0, 1.0);
+        let mix = |warning: f32| {
+            let grey = f32::from(grey);
+            (grey + doubt * (0.35 * grey + 0.65 * warning - grey)) as u8
+        };
+        [mix(255.0), mix(140.0), mix(0.0)]
+    })
+}
+
+/// How far `test` is from `reference` in luminance, relative to the reference (or to 5 % of its
+/// mean where it is darker): red where too bright, blue where too dark, full colour at
+/// [`FULL_DIFFERENCE`].
+pub fn difference(reference: &Picture, test: &Picture) -> Vec<u8> {
+    let levels: Vec<f32> = reference.pixels.iter().map(|&p| luminance(p)).collect();
+    let mean = levels.iter().map(|&y| f64::from(y)).sum::<f64>() / levels.len().max(1) as f64;
+    let least = (0.05 * mean as f32).max(f32::MIN_POSITIVE);
+    let pairs: Vec<f32> = test
+        .pixels
+        .iter()
+        .zip(&levels)
+        .map(|(&p, &y)| (luminance(p) - y) / y.max(least) / FULL_DIFFERENCE)
+        .collect();
+    coded(&pairs, |&signed| {
+        let strength = signed.abs().min(1.0);
+        let fade = |to: f32| (250.0 + strength * (to - 250.0)) as u8;
+        if signed > 0.0 {
+            [fade(200.0), fade(20.0), fade(30.0)]
+        } else {
+            [fade(20.0), fade(70.0), fade(210.0)]
+        }
+    })
+}
+
+fn coded<T: Sync>(values: &[T], color: impl Fn(&T) -> [u8; 3] + Sync) -> Vec<u8> {
+    let mut bytes = vec![255; 4 * values.len()];
+    let runs = bytes.par_chunks_mut(4 * RUN).zip(values.par_chunks(RUN));
+    runs.for_each(|(bytes, values)| {
+        for (rgba, value) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(values) {
+            let [r, g, b] = color(value);
+            *rgba = [r, g, b, 255];
+        }
+    });
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The table against the formula, over ten stops and past both ends.
+    #[test]
+    fn at_most_one_level_off() {
+        let exposure = Exposure { ev: 0.7 };
+        let mut levels: Vec<f32> = (0..100_000).map(|i| 1e-3 * 1.0001f32.powi(i)).collect();
+        levels.extend([0.0, -1.0, f32::NAN, f32::INFINITY, 1e30]);
+        let pixels: Vec<Vec3> = levels.iter().map(|&x| Vec3::splat(x)).collect();
+        let bytes = exposed(&pixels, exposure);
+        for (rgba, &pixel) in bytes.chunks(4).zip(&pixels) {
+            let exact = srgb8(pixel, exposure);
+            let near = |k: usize| rgba[k].abs_diff(exact[k]) <= 1;
+            assert!(
+                (0..3).all(near) && rgba[3] == 255,
+                "{pixel}: {rgba:?} {exact:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn differences_have_a_sign() {
+        let picture = |pixels: [f32; 3]| Picture {
+            width: 3,
+            height: 1,
+            pixels: pixels.map(Vec3::splat).to_vec(),
+        };
+        let bytes = difference(&picture([1.0, 1.0, 1.0]), &picture([1.0, 2.0, 0.2]));
+        assert_eq!(bytes[..4], [250, 250, 250, 255]);
+        assert_eq!(bytes[4..8], [200, 20, 30, 255]);
+        assert_eq!(bytes[8..], [20, 70, 210, 255]);
+    }
+}

@@ -1,0 +1,146 @@
+//! The socket of path tracing: the current view's truth, pass by pass.
+
+use crate::ask::Ask;
+use crate::frames::{exposure, options};
+use crate::pixels;
+use crate::show::Show;
+use crate::socket::{Ended, Socket};
+use glam::Vec3;
+use rayon::ThreadPool;
+use rrf_render::{Frame, Part, Picture, RenderError, compare, trace_frame};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::time::Instant;
+
+/// Paths a pixel and pass: the least, so that a page that leaves does not leave work behind.
+const PASS: u32 = 2;
+/// Seed of the first pass; pass k has this plus k.
+const SEED: u64 = 1;
+
+/// A page's question.
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Question {
+    /// Begin with this view.
+    Begin(Box<serde_json::value::RawValue>),
+    /// Another pass.
+    Next,
+}
+
+/// A view's picture by the nets, and the sum of its traced passes.
+struct Work {
+    ask: Ask,
+    nets: Frame,
+    sum: Vec<Vec3>,
+    /// Sum of the squared relative noise of the passes.
+    noise: f64,
+    passes: u32,
+    seconds: f64,
+}
+
+/// Answers until the page goes. Paths are traced on `pool`: frames do not wait for them.
+pub fn serve(show: &Show, pool: &ThreadPool, socket: &mut Socket) -> Result<(), Ended> {
+    let mut work: Option<Work> = None;
+    loop {
+        let question = socket.ask()?;
+        let begun = match serde_json::from_str(&question) {
+            Ok(Question::Begin(ask)) => begin(show, ask.get()).map(|begun| work = Some(begun)),
+            Ok(Question::Next) => Ok(()),
+            Err(error) => Err(error.to_string()),
+        };
+        let told = begun.and_then(|()| {
+            let work = work.as_mut().ok_or("nothing was begun")?;
+            let traced = pool.install(|| work.pass(show));
+            traced.map_err(|e| e.to_string())?;
+            work.tell().map_err(|e| e.to_string())
+        });
+        match told {
+            Ok((facts, pictures)) => {
+                socket.tell(&facts)?;
+                for bytes in pictures {
+                    socket.send(bytes)?;
+                }
+            }
+            Err(reason) => socket.tell(&json!({ "error": reason }))?,
+        }
+    }
+}
+
+/// The view's picture by the nets; no pass yet.
+fn begin(show: &Show, ask: &str) -> Result<Work, String> {
+    let ask = Ask::parse(ask)?;
+    let mut nets = Frame::default();
+    let renderer = show.renderer();
+    renderer
+        .render(
+            &ask.view(),
+            &ask.lights(),
+            &options(show, ask.mode),
+            &mut nets,
+        )
+        .map_err(|e| e.to_string())?;
+    Ok(Work {
+        sum: vec![Vec3::ZERO; nets.full.len()],
+        ask,
+        nets,
+        noise: 0.0,
+        passes: 0,
+        seconds: 0.0,
+    })
+}
+
+impl Work {
+    fn pass(&mut self, show: &Show) -> Result<(), RenderError> {
+        let start = Instant::now();
+        let (view, lights) = (self.ask.view(), self.ask.lights());
+        let seed = SEED + u64::from(self.passes);
+        let frame = trace_frame(show.tracer, &view, &lights, PASS, 1, seed, &|_| {})?;
+        let part = match options(show, self.ask.mode).part {
+            Part::Full => Some(&frame.full),
+            Part::Direct => frame.direct.as_ref(),
+            Part::Indirect => frame.indirect.as_ref(),
+        };
+        for (sum, value) in self.sum.iter_mut().zip(part.into_iter().flatten()) {
+            *sum += *value;
+        }
+        let noise = frame
+            .attributes
+            .iter()
+            .find(|(name, _)| name == "rrf.relative_noise");
+        let noise = noise.and_then(|(_, noise)| noise.parse::<f64>().ok());
+        self.noise += noise.unwrap_or(0.0).powi(2);
+        self.passes += 1;
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// The traced picture and the difference, and how far apart they are; the perceptual
+    /// measures take long, and so only after 1, 2, 4, 8 ... passes.
+    fn tell(&self) -> Result<(Value, [Vec<u8>; 2]), RenderError> {
+        let mean = 1.0 / self.passes.max(1) as f32;
+        let truth = Picture {
+            pixels: self.sum.iter().map(|&sum| mean * sum).collect(),
+            ..self.nets.picture()
+        };
+        let exposure = exposure(&self.ask, &self.nets);
+        let measures = match self.passes.is_power_of_two() {
+            true => Some(compare(&truth, &self.nets.picture(), Some(exposure))?.measures),
+            false => None,
+        };
+        let passes = f64::from(self.passes.max(1));
+        let facts = json!({
+            "id": self.ask.id,
+            "size": [truth.width, truth.height],
+            "paths": PASS * self.passes,
+            "seconds": self.seconds,
+            "relative_noise": self.noise.sqrt() / passes,
+            "full_difference": pixels::FULL_DIFFERENCE,
+            "measures": measures,
+        });
+        let difference = pixels::difference(&truth, &self.nets.picture());
+        Ok((
+            facts,
+            [pixels::exposed(&truth.pixels, exposure), difference],
+        ))
+    }
+}

@@ -1,0 +1,150 @@
+"""How accurate baked models are: python3 tests/accuracy.py [SCENE ...] [--rrf F] [--work DIR] [--spp N]
+
+For each scene: bakes it (seed 1, --preset standard), queries the table of another renderer where
+there is one, renders held-out frames at random viewpoints and lights by the model and by `rrf
+trace`, and prints one row of the table in docs/accuracy.md. A run that lies in DIR already is
+judged as it is. Nothing here is used for training or for choosing a setting.
+
+The noise of the reference frames: each is traced twice from different seeds; the reference is
+one of the two, and the difference of the two over sqrt(2) is its own noise in each measure.
+"""
+
+import argparse
+import json
+import random
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOM = [(-0.9, 0.9), (0.1, 1.9), (-0.9, 0.9)]
+MIDDLE = [(-0.5, 0.5), (0.5, 1.5), (-0.9, 0.0)]
+# footprint corner, its two edges (x, z) and height of the Cornell box's two solids
+SOLIDS = [
+    ((-0.0460751, 0.573007), (0.5790841, 0.173072), (0.1703281, -0.56990235), 0.6),
+    ((-0.720444, -0.473882), (0.573552, -0.199597), (0.196458, 0.5645313), 1.2),
+]
+CORNELL = "scenes/cornell-box/scene.pbrt"
+GLOSSY = "scenes/cornell-glossy/cornell-glossy.glb"
+OVERHEAD, FREE = "-0.6,1.3,-0.6,0.6,1.8,0.6", "-0.8,0.2,-0.8,0.8,1.8,0.8"
+# one of the level's rooms, 5.6 x 4 x 12.8 m, its doors open
+ZDM2, HALL = "scenes/zdm2/zdm2.glb", "-24,8.4,7,-19.9,10.8,16"
+IN_HALL = [(-24.0, -19.9), (8.4, 10.8), (7.0, 16.0)]
+# scene file, light box, target, limit of the colour differences, where eyes and what they look
+# at are, table of the other renderer
+SCENES = {
+    "overhead": (CORNELL, OVERHEAD, 0.05, 1.0, ROOM, MIDDLE, "cornell_overhead"),
+    "free": (CORNELL, FREE, 0.08, 1.0, ROOM, MIDDLE, "cornell_free"),
+    "glossy": (GLOSSY, OVERHEAD, 0.08, 1.5, ROOM, MIDDLE, "cornell_glossy"),
+    "zdm2": (ZDM2, HALL, 0.10, 2.0, IN_HALL, IN_HALL, None),
+}
+FRAMES, SEED = 8, 20130701
+
+
+def run(command):
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{' '.join(map(str, command))}\n{done.stderr[-2000:]}")
+    return done.stdout
+
+
+def inside_solid(p):
+    for (cx, cz), a, b, height in SOLIDS:
+        x, z, det = p[0] - cx, p[2] - cz, a[0] * b[1] - a[1] * b[0]
+        s, t = (x * b[1] - z * b[0]) / det, (a[0] * z - a[1] * x) / det
+        if -0.02 < s < 1.02 and -0.02 < t < 1.02 and p[1] < height + 0.02:
+            return True
+    return False
+
+
+def place(rng, box):
+    while True:
+        p = [rng.uniform(*side) for side in box]
+        if not inside_solid(p):
+            return p
+
+
+def measures(rrf, a, b):
+    found = json.loads(run([rrf, "compare", a, b, "--json"]))
+    values = {m["name"]: m["value"] for m in found["measures"]}
+    return values, found["exposure"]["ev"]
+
+
+def frames(rrf, scene, baked, light_box, eyes, targets, folder, spp):
+    """Colour differences of the model and of a second tracing, frame by frame."""
+    rng = random.Random(SEED)
+    low, high = light_box[:3], light_box[3:]
+    found = []
+    for k in range(FRAMES):
+        light = place(rng, list(zip(low, high)))
+        eye, target = place(rng, eyes), place(rng, targets)
+        view = [f"--eye={','.join(map(str, eye))}", f"--look-at={','.join(map(str, target))}"]
+        view += ["--fov=60", "--size=128x128", f"--light={','.join(map(str, light))}"]
+        model, one, two = (folder / f"{k}-{name}.exr" for name in ("model", "one", "two"))
+        run([rrf, "render", baked, "-o", model, *view])
+        for seed, file in ((1, one), (2, two)):
+            if not file.exists():
+                run([rrf, "trace", scene, "-o", file, "--spp", spp, "--seed", seed, *view])
+        (error, ev), (noise, _) = measures(rrf, model, one), measures(rrf, two, one)
+        found.append((error, noise, ev))
+    return found
+
+
+def bytes_of(folder):
+    return sum(f.stat().st_size for f in folder.rglob("*") if f.is_file())
+
+
+def judge(name, args):
+    file, box, target, limit, eyes, targets, oracle = SCENES[name]
+    scene, baked = HERE.parent / file, args.work / name
+    args.work.mkdir(parents=True, exist_ok=True)
+    seconds = float("nan")
+    if not (baked / "model" / "weights.arrow").exists():
+        start = time.time()
+        command = [args.rrf, "bake", scene, "-o", baked, f"--light-box={box}", "--target", target]
+        print(run([*command, "--seed", 1, "--preset", "standard", "-q"]).strip())
+        seconds = time.time() - start
+    rounds = sorted((baked / "rounds").glob("*/judged.json"))
+    judged = json.loads(rounds[-1].read_text())
+    held_out = judged["judgement"]
+    print(f"\n{name}: {file}, light box {box}, target {target:.0%}")
+    print(f"  stopped: {judged['stop']} after {len(rounds)} rounds, {len(held_out['cells'])} cells")
+    print(f"  held-out error  {held_out['relative_error']:.2%} ± {held_out['relative_error_se']:.2%}")
+    print(f"  bake            {seconds:.0f} s,  model {bytes_of(baked / 'model') / 1000:.0f} kB")
+    if oracle:
+        table = HERE / "data" / "oracle" / f"{oracle}.parquet"
+        answers = args.work / f"{name}.parquet"
+        run([args.rrf, "query", baked, "--points", table, "-o", answers])
+        judge_points = HERE / "data/oracle/judge_points.py"
+        verdict = [sys.executable, judge_points, "err", table, answers, target]
+        done = subprocess.run([str(c) for c in verdict], capture_output=True, text=True)
+        print(f"  other renderer  {done.stdout.strip()}")
+    if args.spp == 0:
+        return
+    folder = args.work / f"{name}-frames"
+    folder.mkdir(exist_ok=True)
+    corners = [float(x) for x in box.split(",")]
+    found = frames(args.rrf, scene, baked, corners, eyes, targets, folder, args.spp)
+    for measure in [m for m in found[0][0] if m.startswith("delta_e")]:
+        errors, noises = ([f[i][measure] for f in found] for i in (0, 1))
+        rms = (sum(e * e for e in errors) / FRAMES) ** 0.5
+        noise = (sum(e * e for e in noises) / FRAMES / 2) ** 0.5
+        each = " ".join(f"{e:.2f}" for e in errors)
+        print(f"  {measure:<15} {rms:.2f} (limit {limit}, reference noise {noise:.2f}); frames {each}")
+    print("  exposure [stops] " + " ".join(f"{f[2]:+.1f}" for f in found) + ", sRGB, clipped")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("scenes", nargs="*", default=list(SCENES))
+    parser.add_argument("--rrf", default=HERE.parent / "target" / "release" / "rrf")
+    parser.add_argument("--work", type=Path, default=HERE.parent / "target" / "accuracy")
+    parser.add_argument("--spp", type=int, default=2048, help="paths a pixel of references; 0: none")
+    args = parser.parse_args()
+    for name in args.scenes:
+        judge(name, args)
+
+
+if __name__ == "__main__":
+    main()
