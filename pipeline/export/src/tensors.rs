@@ -11,7 +11,6 @@
 //! | `cell.N.layer.K.weight`, `cell.N.layer.K.bias` | f32 \[out, in\], \[out\] | tanh after all but the last |
 //! | `cell.N.exponential` | u8 \[1\] | 1: h = exp(min(h, 12)) after the last layer |
 //! | `cell.N.output_scale`, `cell.N.output_offset` | f32 \[3\] | y = h * scale + offset |
-//! | `cell.N.exponential` | u8 \[1\] | 1: exp(min(h, 12)) in place of the last layer's h |
 //! | `cell.N.divide_base` | u8 \[1\] | 1: times the base colour |
 //!
 //! y is indirect outgoing radiance [W/(sr m²)] for an isotropic point light of 1 W/sr a channel.
@@ -105,12 +104,6 @@ fn cell_tensors(cell: &CellModel) -> Result<Vec<Tensor>, ExportError> {
             vec![1],
             vec![u8::from(cell.exponential)],
         ),
-        (
-            name("exponential"),
-            Dtype::U8,
-            vec![1],
-            vec![u8::from(cell.exponential)],
-        ),
     ];
     for (layer, (start, pair)) in cell
         .shape
@@ -163,7 +156,6 @@ mod tests {
             output_scale: [1.0, 2.0, 3.0],
             output_offset: [0.1, 0.2, 0.3],
             divide_base: true,
-            exponential: false,
             exponential: true,
         }
     }

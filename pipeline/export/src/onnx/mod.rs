@@ -209,12 +209,7 @@ fn one_cell(
         }
     }
     if model.exponential {
-        let most = g.floats(&[], &[rrf_field::MAX_EXPONENT]);
-        h = g.op("Min", &[&h, &most]);
-        h = g.op("Exp", &[&h]);
-    }
-    if model.exponential {
-        let most = g.floats(&[1], &[rrf_field::MAX_EXPONENT]);
+        let most = g.floats(&[], &[MAX_EXPONENT]);
         h = g.op("Min", &[&h, &most]);
         h = g.op("Exp", &[&h]);
     }
