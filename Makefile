@@ -11,7 +11,7 @@ VENV = .venv
 NOTEBOOKS = .venv-notebooks
 ENGINES = .venv-engines
 
-.PHONY: demo test setup test-setup build python notebooks engines clean
+.PHONY: demo test setup test-setup build report python notebooks engines clean
 
 setup:
 	@sh tests/setup.sh
@@ -21,6 +21,10 @@ test-setup:
 
 build: setup
 	cargo build --release --locked
+
+# what rrf inspect, chart, sweep and report start; polars takes longer to build than all the rest
+report: setup
+	cargo build --release --locked -p rrf-report --features inspect
 
 demo: build
 	@rm -rf $(OUT)
@@ -64,7 +68,7 @@ docs/view.png: build python $(VENV)/installed
 		$(VENV)/bin/python -m pytest -q tests/python/test_view.py -k screenshot
 
 # the small run that the notebooks look at, and all of them executed
-notebooks: build $(NOTEBOOKS)/installed
+notebooks: build report $(NOTEBOOKS)/installed
 	RRF=$(abspath $(RRF)) sh notebooks/demo.sh out/notebooks
 	RRF=$(abspath $(RRF)) RRF_DEMO=$(abspath out/notebooks) \
 		$(NOTEBOOKS)/bin/python -m pytest -q --nbmake --nbmake-timeout=400 notebooks

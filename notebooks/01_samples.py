@@ -36,12 +36,18 @@ print(manifest["created_by"], "seed", manifest["seed"], f"{table.num_rows:,} row
 # %% [markdown]
 # ## Partitions and schema
 # A folder a cell. Each file says its columns' units, frames and meanings; they have to be those of
-# `schemas/samples.toml`, word for word: a change on either side stops here.
+# `schemas/samples.toml`, word for word: a change on either side stops here. And the units have to be
+# those that the formulas below are written for.
 
 # %%
 schema = rt.contract.load("samples")
 for path in dataset.files:
     assert rt.contract.differences(schema, pq.read_schema(path)) == [], path
+UNITS = {"p": "m", "l": "m", "n": "1", "v": "1", "base_": "1", "y0_": "W/(sr m^2)", "y1_": "W/(sr m^2)"}
+unit = {column["name"]: column["unit"] for column in schema["column"]}
+for group, wanted in UNITS.items():
+    axes = "rgb" if group.endswith("_") else "xyz"
+    assert {unit[group + axis] for axis in axes} == {wanted}, group
 assert (table["cell"].to_numpy() == table["cell_id"].to_numpy()).all()
 cells, rows = np.unique(table["cell_id"].to_numpy(), return_counts=True)
 assert cells.tolist() == metrics["cell_id"].to_pylist()

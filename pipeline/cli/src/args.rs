@@ -45,6 +45,14 @@ pub enum Command {
     Export(ExportArgs),
     /// Compare two EXR frames: relMSE, relative error, ΔE*ab, ΔE2000, FLIP.
     Compare(CompareArgs),
+    /// A dataset, a model, a sweep or a table at a glance.
+    Inspect(Elsewhere),
+    /// Pareto fronts of error against time and size, of sweeps.
+    Chart(Elsewhere),
+    /// Bake every setting of a grid and measure each run.
+    Sweep(Elsewhere),
+    /// All about one run on one HTML page.
+    Report(Elsewhere),
     /// Print what was understood of a scene file.
     Scene(SceneArgs),
     /// Look through a baked scene in a browser: move, drag lights, compare with the truth.
@@ -511,6 +519,15 @@ pub struct CompareArgs {
     /// Machine-readable output.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Words for the program `rrf-report`.
+#[derive(Args, Clone, Debug)]
+#[command(disable_help_flag = true)]
+pub struct Elsewhere {
+    /// See `rrf COMMAND --help`.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    pub words: Vec<std::ffi::OsString>,
 }
 
 /// `rrf scene`.

@@ -10,6 +10,7 @@ mod baked;
 mod batch;
 mod compare;
 mod doctor;
+mod elsewhere;
 mod export;
 mod failure;
 mod page;
@@ -34,7 +35,7 @@ pub fn main() -> ExitCode {
     end_quietly_on_closed_pipe();
     let cli = Cli::parse();
     match run(&cli) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("rrf: {}", failure::message(&error));
             ExitCode::from(failure::exit_code(&error))
@@ -42,7 +43,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(cli: &Cli) -> anyhow::Result<()> {
+fn run(cli: &Cli) -> anyhow::Result<ExitCode> {
     if let Some(threads) = cli.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads as usize)
@@ -64,7 +65,12 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Scene(args) => scene::run(args),
         Command::View(args) => page::run(args),
         Command::Doctor(_) => doctor::run(),
-    }
+        Command::Inspect(args) => return elsewhere::run("inspect", args),
+        Command::Chart(args) => return elsewhere::run("chart", args),
+        Command::Sweep(args) => return elsewhere::run("sweep", args),
+        Command::Report(args) => return elsewhere::run("report", args),
+    }?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// `rrf compare ... | head` is no failure: like other Unix programs, stop when the reader has.

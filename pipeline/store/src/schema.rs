@@ -37,10 +37,12 @@ pub enum Table {
     Answers,
     /// Tasks of a round, `rounds/000/tasks.parquet`.
     Tasks,
+    /// Runs of a sweep.
+    Results,
 }
 
 /// Every table.
-pub const TABLES: [Table; 8] = [
+pub const TABLES: [Table; 9] = [
     Table::Samples,
     Table::Tree,
     Table::Weights,
@@ -49,6 +51,7 @@ pub const TABLES: [Table; 8] = [
     Table::Truth,
     Table::Answers,
     Table::Tasks,
+    Table::Results,
 ];
 
 impl Table {
@@ -63,6 +66,7 @@ impl Table {
             Table::Truth => "truth",
             Table::Answers => "answers",
             Table::Tasks => "tasks",
+            Table::Results => "results",
         }
     }
 
@@ -77,6 +81,7 @@ impl Table {
             Table::Truth => include_str!("../../../schemas/truth.toml"),
             Table::Answers => include_str!("../../../schemas/answers.toml"),
             Table::Tasks => include_str!("../../../schemas/tasks.toml"),
+            Table::Results => include_str!("../../../schemas/results.toml"),
         }
     }
 }

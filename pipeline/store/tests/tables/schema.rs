@@ -4,7 +4,7 @@ use rrf_field::columns::{COUNT, GEOMETRY, NAMES};
 use rrf_store::schema::{TABLES, Table, table};
 
 /// Version of each table and what its columns hashed to when it was given that version.
-const PINNED: [(Table, u32, &str); 7] = [
+const PINNED: [(Table, u32, &str); 9] = [
     (Table::Samples, 1, "1ef54b601e453216"),
     (Table::Tree, 1, "f207d34842db00d3"),
     (Table::Weights, 2, "b8e8d442a6ab4c1e"),
@@ -12,6 +12,8 @@ const PINNED: [(Table, u32, &str); 7] = [
     (Table::Points, 1, "4cd9cd184fdab6a7"),
     (Table::Truth, 1, "57d96e5160c35bbc"),
     (Table::Answers, 1, "9d8867ae3a9e58f3"),
+    (Table::Tasks, 1, "c460b776afe5bca4"),
+    (Table::Results, 1, "8861c3426d1383df"),
 ];
 
 /// Names, types, units and frames are what files promise: whoever changes one gives the table

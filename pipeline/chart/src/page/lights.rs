@@ -1,0 +1,101 @@
+//! Error by light position.
+
+use crate::{ChartError, html};
+use rrf_bake::Run;
+use rrf_field::{Field, columns};
+use rrf_store::{layout, model, parts};
+
+/// Bins along each axis of the light box.
+const BINS: usize = 6;
+
+#[derive(Clone, Copy, Default)]
+struct Bin {
+    rows: f64,
+    square: f64,
+    square_of_squares: f64,
+}
+
+/// A table an axis of the light box: the model's error on the samples whose light is there.
+pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
+    let facts = run.facts();
+    let model = model::read_model(&run.folder, &facts)?;
+    let field = Field::new(model.tree.tree, model.cells).map_err(|e| ChartError::Table {
+        path: layout::model_folder(&run.folder),
+        reason: e.to_string(),
+    })?;
+    let tables = (layout::list_cells(&run.folder)?.into_iter())
+        .map(|cell| Ok(parts::read_cell(&run.folder, cell, &facts)?.table))
+        .collect::<Result<Vec<_>, ChartError>>()?;
+    let lum = |y: [f32; 3]| f64::from(y[0] + y[1] + y[2]) / 3.0;
+    let (mut sum, mut count) = (0.0, 0.0);
+    for table in &tables {
+        sum += (0..table.len())
+            .map(|row| lum(table.mean(row)))
+            .sum::<f64>();
+        count += table.len() as f64;
+    }
+    let floor = 0.05 * sum / f64::max(count, 1.0);
+    let b = run.manifest.light_box;
+    let mut bins = [[Bin::default(); BINS]; 3];
+    for table in &tables {
+        let mut answers: [Vec<f32>; 3] = Default::default();
+        field
+            .evaluate(&table.columns, &mut answers, &mut Vec::new())
+            .map_err(|e| ChartError::Table {
+                path: layout::samples_folder(&run.folder),
+                reason: e.to_string(),
+            })?;
+        let [r, g, blues] = &answers;
+        for (row, ((&r, &g), &blue)) in r.iter().zip(g).zip(blues).enumerate() {
+            let p = [r, g, blue];
+            let (y0, y1) = (table.halves[0][row], table.halves[1][row]);
+            let square: f64 = (0..3)
+                .map(|c| f64::from(p[c] - y0[c]) * f64::from(p[c] - y1[c]))
+                .sum();
+            let square = square / 3.0 / lum(table.mean(row)).max(floor).powi(2);
+            let light = table.columns.vec3(columns::L, row);
+            for axis in 0..3 {
+                let width = f64::from(b[axis + 3] - b[axis]).max(f64::MIN_POSITIVE);
+                let place = f64::from(light[axis] - b[axis]) / width * BINS as f64;
+                let bin = &mut bins[axis][(place.max(0.0) as usize).min(BINS - 1)];
+                bin.rows += 1.0;
+                bin.square += square;
+                bin.square_of_squares += square * square;
+            }
+        }
+    }
+    let mut out = String::from(
+        "<h2>Error by light position</h2>\n<p class=\"note\">Relative error over all samples, most \
+         of which the nets were fitted to, by the light's place along each axis of the light \
+         box.</p>\n",
+    );
+    for (axis, bins) in bins.iter().enumerate() {
+        let width = (b[axis + 3] - b[axis]) / BINS as f32;
+        let rows: Vec<Vec<String>> = (bins.iter().enumerate())
+            .map(|(n, bin)| line(b[axis] + n as f32 * width, width, bin))
+            .collect();
+        let name = format!("light {} [m]", ["x", "y", "z"][axis]);
+        out += &format!(
+            "<figure>{}</figure>\n",
+            html::table(&[&name, "rows", "error"], &rows)
+        );
+    }
+    Ok(out)
+}
+
+fn line(from: f32, width: f32, bin: &Bin) -> Vec<String> {
+    let error = if bin.rows < 2.0 {
+        "–".into()
+    } else {
+        let mean = bin.square / bin.rows;
+        let variance = (bin.square_of_squares / bin.rows - mean * mean).max(0.0);
+        let se = (variance / (bin.rows - 1.0)).sqrt();
+        let (error, se) = model::SquareError { mean, se }.relative();
+        format!("{:.2} ± {:.2} %", 100.0 * error, 100.0 * se)
+    };
+    vec![
+        format!("{from:.3} to {:.3}", from + width),
+        format!("{}", bin.rows),
+        error,
+    ]
+}

@@ -1,0 +1,154 @@
+//! What is worth knowing of each table.
+
+use super::{Tables, sql};
+use polars::prelude::{Column, DataFrame, DataType, IntoColumn, NamedFrom, Series};
+use std::path::Path;
+
+/// A heading and a table.
+pub(super) struct Section {
+    pub(super) title: String,
+    pub(super) frame: DataFrame,
+}
+
+/// Queries shown of a table that is there, after its columns.
+const QUERIES: [(&str, &str, &str); 6] = [
+    (
+        "samples",
+        "cells",
+        "SELECT COUNT(*) AS cells, SUM(n) AS rows, MIN(n) AS fewest, MAX(n) AS most \
+         FROM (SELECT cell_id, COUNT(*) AS n FROM samples GROUP BY cell_id) AS c",
+    ),
+    (
+        "samples",
+        "noise of a row: relative to the whole mean, from the two halves",
+        "SELECT SQRT(AVG((y0_r-y1_r)*(y0_r-y1_r) + (y0_g-y1_g)*(y0_g-y1_g) + \
+         (y0_b-y1_b)*(y0_b-y1_b)) / 12.0) AS standard_error, \
+         AVG(y0_r + y0_g + y0_b + y1_r + y1_g + y1_b) / 6.0 AS mean_radiance FROM samples",
+    ),
+    (
+        "metrics",
+        "whole",
+        "SELECT COUNT(*) AS cells, SUM(rows) AS rows, SUM(weights) AS weights, \
+         SUM(quarantined_rows) AS quarantined, SQRT(SUM(relative_square_error_validation * \
+         validation_rows) / SUM(validation_rows)) AS held_out_error, AVG(iterations) AS iterations \
+         FROM metrics",
+    ),
+    (
+        "metrics",
+        "worst cells",
+        "SELECT cell_id, rows, relative_error_validation, relative_error_validation_se, \
+         relative_error_train, noise, weights, effective_parameters, stop_reason FROM metrics \
+         ORDER BY relative_error_validation DESC LIMIT 8",
+    ),
+    (
+        "metrics",
+        "why fits stopped",
+        "SELECT stop_reason, COUNT(*) AS cells FROM metrics GROUP BY stop_reason ORDER BY cells DESC",
+    ),
+    (
+        "results",
+        "settings over their seeds",
+        "SELECT method, setting, COUNT(*) AS seeds, AVG(bake_seconds) AS bake_seconds, \
+         AVG(frame_seconds) AS frame_seconds, AVG(model_bytes) AS model_bytes, \
+         AVG(held_out_error) AS held_out_error, AVG(frame_error) AS frame_error, \
+         STDDEV(frame_error) AS deviation FROM results GROUP BY method, setting ORDER BY frame_error",
+    ),
+];
+
+/// Sizes on disk, then each table's columns and figures.
+pub(super) fn sections(path: &Path, tables: &Tables) -> anyhow::Result<Vec<Section>> {
+    let mut sections = vec![Section {
+        title: "bytes".into(),
+        frame: sizes(path)?,
+    }];
+    for (name, table) in tables {
+        let frame = table
+            .clone()
+            .collect()
+            .map_err(|e| crate::BadInput(format!("{}: table {name}: {e}", path.display())))?;
+        sections.push(Section {
+            title: format!("{name}: {} rows, {} columns", frame.height(), frame.width()),
+            frame: columns(&frame)?,
+        });
+        for (_, title, query) in QUERIES.iter().filter(|(table, _, _)| table == name) {
+            sections.push(Section {
+                title: format!("{name}: {title}"),
+                frame: sql(tables, query)?,
+            });
+        }
+    }
+    Ok(sections)
+}
+
+/// Type, range, nulls and NaNs of every column; no range for texts and lists.
+fn columns(frame: &DataFrame) -> anyhow::Result<DataFrame> {
+    let (mut names, mut types, mut nulls, mut nans) = (vec![], vec![], vec![], vec![]);
+    let (mut least, mut greatest, mut mean) = (vec![], vec![], vec![]);
+    for column in frame.columns() {
+        let numeric = column.dtype().is_primitive_numeric();
+        names.push(column.name().to_string());
+        types.push(column.dtype().to_string());
+        nulls.push(column.null_count() as u64);
+        nans.push(nan_count(column)?);
+        let values = if numeric {
+            Some(column.cast(&DataType::Float64)?)
+        } else {
+            None
+        };
+        let values = values.as_ref().map(|c| c.f64()).transpose()?;
+        let of = |f: fn(&polars::prelude::Float64Chunked) -> Option<f64>| values.and_then(f);
+        use polars::prelude::ChunkAgg;
+        least.push(of(|c| c.min()));
+        greatest.push(of(|c| c.max()));
+        mean.push(of(|c| c.mean()));
+    }
+    Ok(DataFrame::new_infer_height(vec![
+        Series::new("column".into(), names).into_column(),
+        Series::new("type".into(), types).into_column(),
+        Series::new("least".into(), least).into_column(),
+        Series::new("mean".into(), mean).into_column(),
+        Series::new("greatest".into(), greatest).into_column(),
+        Series::new("nulls".into(), nulls).into_column(),
+        Series::new("nans".into(), nans).into_column(),
+    ])?)
+}
+
+fn nan_count(column: &Column) -> anyhow::Result<u64> {
+    if !column.dtype().is_float() {
+        return Ok(0);
+    }
+    Ok(u64::from(column.is_nan()?.sum().unwrap_or(0)))
+}
+
+/// Bytes of the file, or of what lies in each part of a folder.
+fn sizes(path: &Path) -> anyhow::Result<DataFrame> {
+    let mut parts: Vec<(String, u64)> = Vec::new();
+    if path.is_dir() {
+        for entry in std::fs::read_dir(path)? {
+            let entry = entry?;
+            parts.push((
+                entry.file_name().to_string_lossy().into_owned(),
+                bytes(&entry.path())?,
+            ));
+        }
+        parts.sort();
+    } else {
+        parts.push((path.display().to_string(), bytes(path)?));
+    }
+    let (names, bytes): (Vec<String>, Vec<u64>) = parts.into_iter().unzip();
+    Ok(DataFrame::new_infer_height(vec![
+        Series::new("part".into(), names).into_column(),
+        Series::new("bytes".into(), bytes).into_column(),
+    ])?)
+}
+
+fn bytes(path: &Path) -> anyhow::Result<u64> {
+    if !path.is_dir() {
+        return Ok(std::fs::symlink_metadata(path)?.len());
+    }
+    let mut sum = 0;
+    for entry in std::fs::read_dir(path)? {
+        sum += bytes(&entry?.path())?;
+    }
+    Ok(sum)
+}

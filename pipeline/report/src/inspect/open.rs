@@ -1,0 +1,97 @@
+//! From a path to tables.
+
+use super::Tables;
+use crate::BadInput;
+use anyhow::Context;
+use polars::prelude::{
+    HiveOptions, IntoLazy, IpcReader, LazyFrame, PlRefPath, ScanArgsParquet, SerReader,
+};
+use rrf_store::layout;
+use std::path::Path;
+
+/// A run's, a sweep's or a file's tables.
+pub(super) fn open(path: &Path) -> anyhow::Result<Tables> {
+    if path.is_file() {
+        return Ok(vec![("self", file(path)?)]);
+    }
+    if !path.is_dir() {
+        return Err(BadInput(format!("{}: no such file or folder", path.display())).into());
+    }
+    let mut tables = Tables::new();
+    let results = path.join("results.parquet");
+    if results.is_file() {
+        tables.push(("results", file(&results)?));
+    }
+    let samples = layout::samples_folder(path);
+    if has_parquet(&samples) {
+        tables.push(("samples", parquet(&samples)?));
+    }
+    for name in ["tree", "weights", "metrics"] {
+        let table = layout::model_folder(path).join(format!("{name}.arrow"));
+        if table.is_file() {
+            tables.push((name, file(&table)?));
+        }
+    }
+    if tables.is_empty() && has_parquet(path) {
+        tables.push(("self", parquet(path)?));
+    }
+    if tables.is_empty() {
+        return Err(BadInput(format!(
+            "{}: neither a run (samples/, model/), nor a sweep (results.parquet), nor a folder of \
+             Parquet files",
+            path.display()
+        ))
+        .into());
+    }
+    Ok(tables)
+}
+
+/// One file, by its first bytes: endings can lie.
+fn file(path: &Path) -> anyhow::Result<LazyFrame> {
+    let mut magic = [0u8; 6];
+    let mut file =
+        std::fs::File::open(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    let read = std::io::Read::read(&mut file, &mut magic)
+        .with_context(|| format!("{}: cannot be read", path.display()))?;
+    match &magic[..read] {
+        [b'P', b'A', b'R', b'1', ..] => parquet(path),
+        b"ARROW1" => arrow(path),
+        _ => Err(BadInput(format!(
+            "{}: neither a Parquet nor an Arrow file",
+            path.display()
+        ))
+        .into()),
+    }
+}
+
+fn parquet(path: &Path) -> anyhow::Result<LazyFrame> {
+    let refused = |e: polars::error::PolarsError| BadInput(format!("{}: {e}", path.display()));
+    let args = ScanArgsParquet {
+        hive_options: HiveOptions {
+            enabled: Some(path.is_dir()),
+            ..HiveOptions::new_enabled()
+        },
+        ..ScanArgsParquet::default()
+    };
+    let place = PlRefPath::try_from_path(path).map_err(refused)?;
+    Ok(LazyFrame::scan_parquet(place, args).map_err(refused)?)
+}
+
+fn arrow(path: &Path) -> anyhow::Result<LazyFrame> {
+    let file =
+        std::fs::File::open(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    let frame = IpcReader::new(file)
+        .finish()
+        .map_err(|e| BadInput(format!("{}: {e}", path.display())))?;
+    Ok(frame.lazy())
+}
+
+/// Whether a Parquet file lies in the folder or in one of its folders.
+fn has_parquet(folder: &Path) -> bool {
+    let entries = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_parquet = |path: &Path| path.extension().is_some_and(|e| e == "parquet");
+    entries(folder).any(|entry| {
+        let path = entry.path();
+        is_parquet(&path) || entries(&path).any(|inner| is_parquet(&inner.path()))
+    })
+}
