@@ -9,6 +9,7 @@ the medians are kept, step by step. Every program ends after its steps or SECOND
 
   ours          examples/race of rrf-train
   accelerated   the same with geodesic acceleration
+  warm          the same, its first 12 steps on a quarter of the rows
   numpy LM      Jacobian by backpropagation, gemm, Cholesky, damping times or over ten
   scipy lm      scipy.optimize.least_squares(method="lm"), MINPACK, the same analytic Jacobian
   jax Adam      float32, batches of 256 in random order, rate 3e-3 falling to 0 as a cosine
@@ -288,6 +289,7 @@ def ours(task, *modes):
 PROGRAMS = {
     "ours": ours,
     "accelerated": lambda task: ours(task, "accelerate"),
+    "warm": lambda task: ours(task, "accelerate", "warm"),
     "numpy LM": numpy_lm,
     "scipy lm": scipy_lm,
     "jax Adam": jax_adam,

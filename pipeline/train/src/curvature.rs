@@ -15,7 +15,8 @@ struct Derivatives {
     second: Vec<Lane>,
 }
 
-/// d²out/dt² at t = 0 along w + t v, after the tile's forward pass with weights `w`.
+/// d²out/dt² at t = 0 along w + t v, after the tile's forward pass with weights `w`. For outputs
+/// exp(z) it is divided by ∂out/∂z, which the tile's residual weights hold: z'' + z'².
 pub(crate) fn second_derivative(tile: &Tile, w: &[f64], v: &[f64]) -> [Lane; CHANNELS] {
     let none = vec![[0.0; TILE]; tile.sizes[0]];
     let mut below = Derivatives {
@@ -35,7 +36,14 @@ pub(crate) fn second_derivative(tile: &Tile, w: &[f64], v: &[f64]) -> [Lane; CHA
         std::mem::swap(&mut below, &mut above);
     }
     let mut out = [[0.0; TILE]; CHANNELS];
-    out.iter_mut().zip(&below.second).for_each(|(o, s)| *o = *s);
+    for ((out, first), second) in out.iter_mut().zip(&below.first).zip(&below.second) {
+        *out = *second;
+        if tile.exponential {
+            for (out, first) in out.iter_mut().zip(first) {
+                *out += first * first;
+            }
+        }
+    }
     out
 }
 

@@ -223,9 +223,6 @@ impl<R: Rows> Problem for NetProblem<R> {
     }
 
     fn curvature(&mut self, w: &[f64], v: &[f64], out: &mut [f64]) -> bool {
-        if self.exponential {
-            return false;
-        }
         self.gradient_sums.clear();
         for first in (0..self.rows.len()).step_by(TILE) {
             self.load(first);

@@ -64,7 +64,7 @@ impl Column {
 }
 
 /// Columns tried at each round before pruning ends.
-const TRIES: usize = 2;
+const TRIES: usize = 4;
 
 /// Steps after each removal.
 const MEND: Leg = Leg {

@@ -117,13 +117,19 @@ fn dual_numbers_equal_central_differences() {
 /// h²/12 of the fourth derivative and 4 ulp/h²: below 1e-5 of the values here.
 #[test]
 fn curvature_equals_second_differences() {
+    for exponential in [false, true] {
+        check_curvature(exponential);
+    }
+}
+
+fn check_curvature(exponential: bool) {
     let shape = Shape {
         sizes: vec![4, 6, 5, 3],
     };
     let rows = RandomRows { seed: 8, rows: 150 };
     let w = made_up::weights(&shape, 1, 0.9);
     let v = made_up::weights(&shape, 2, 0.9);
-    let mut problem = NetProblem::new(&shape, &rows, 450, Loss::Absolute);
+    let mut problem = NetProblem::new(&shape, &rows, 450, Loss::Absolute).exponential(exponential);
     problem.linearise(&w, &mut Normal::zeros(w.len()));
     let mut found = vec![0.0; w.len()];
     assert!(problem.curvature(&w, &v, &mut found));
@@ -133,7 +139,11 @@ fn curvature_equals_second_differences() {
         let (x, _, gain, _) = rows.row(row, 4);
         let at = |t: f64| {
             let moved: Vec<f64> = w.iter().zip(&v).map(|(w, v)| w + t * v).collect();
-            net::evaluate(&shape, &moved, &x)
+            let mut out = net::evaluate(&shape, &moved, &x);
+            if exponential {
+                out.iter_mut().for_each(|out| *out = out.exp());
+            }
+            out
         };
         let (ahead, here, behind) = (at(h), at(0.0), at(-h));
         for (i, expected) in expected.iter_mut().enumerate() {
@@ -141,8 +151,13 @@ fn curvature_equals_second_differences() {
             e[i] = 1.0;
             let slope = made_up::derivative(&shape, &w, &e, &x).1;
             for c in 0..3 {
+                let slope = if exponential {
+                    slope[c] * here[c]
+                } else {
+                    slope[c]
+                };
                 let second = (ahead[c] - 2.0 * here[c] + behind[c]) / (h * h);
-                *expected += gain[c] * gain[c] * slope[c] * second;
+                *expected += gain[c] * gain[c] * slope * second;
             }
         }
     }

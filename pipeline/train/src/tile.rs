@@ -82,7 +82,7 @@ pub struct Tile {
     /// Outputs.
     pub out: [Lane; CHANNELS],
     /// Whether outputs are exponentials of the last layer's sums.
-    exponential: bool,
+    pub(crate) exponential: bool,
     /// Square root of the weight of each residual, times ∂out / ∂(last layer's sum).
     pub(crate) s: [Lane; CHANNELS],
     /// Weighted residuals s (out − target).

@@ -1,12 +1,12 @@
 //! Our side of `tests/peers/training.py`: a net fitted to a problem that others fit too.
 //!
 //! ```text
-//! cargo run --release -p rrf-train --example race -- PROBLEM STEPS [accelerate]
+//! cargo run --release -p rrf-train --example race -- PROBLEM STEPS [accelerate] [warm]
 //! ```
 //!
 //! PROBLEM: little-endian, four i64 (rows trained on, rows kept back, inputs, weights), then f64:
 //! x `[rows, inputs]`, targets `[rows, 3]`, weights of the residuals `[rows, 3]`, first weights.
-//! Prints a line a step: CPU seconds so far, Σ (s (net − y))² over the rows trained on, the same
+//! `warm` takes the first steps on a quarter of the rows, as whole fits do. Prints a line a step: CPU seconds so far, Σ (s (net − y))² over the rows trained on, the same
 //! over the rows kept back. The time for the last is not counted.
 
 use rrf_field::net::Shape;
@@ -51,7 +51,7 @@ impl Rows for Part<'_> {
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [path, steps, modes @ ..] = args.as_slice() else {
-        return Err("usage: race PROBLEM STEPS [accelerate]".into());
+        return Err("usage: race PROBLEM STEPS [accelerate] [warm]".into());
     };
     let mut config = LmConfig::default();
     if modes.iter().any(|mode| mode == "accelerate") {
@@ -81,40 +81,77 @@ fn main() -> Result<(), Box<dyn Error>> {
         y: &y[from * 3..to * 3],
         s: &s[from * 3..to * 3],
     };
-    race(
-        part(0, train),
-        part(train, rows),
-        w.to_vec(),
-        steps.parse()?,
-        config,
-    );
+    let warm = modes.iter().any(|mode| mode == "warm");
+    let mut fit = Fit::new(part(train, rows), w.to_vec(), config);
+    let steps: usize = steps.parse()?;
+    let first = if warm { WARM.min(steps) } else { 0 };
+    fit.run(part(0, train.div_ceil(4)), first, part(0, train));
+    fit.run(part(0, train), steps - first, part(0, train));
     Ok(())
 }
 
-fn race(train: Part, kept: Part, mut w: Vec<f64>, steps: usize, config: LmConfig) {
-    let shape = Shape {
-        sizes: vec![train.inputs, 20, 10, 3],
-    };
-    let (mut fit, mut judge) = (problem(&shape, train), problem(&shape, kept));
-    println!("0 {} {}", fit.cost(&w), judge.cost(&w));
-    let mut lm = Levenberg::new(w.len(), config);
-    let mut seconds = 0.0;
-    for _ in 0..steps {
-        let before = cpu_seconds();
-        let step = lm.step(&mut fit, &mut w, 0.0);
-        seconds += cpu_seconds() - before;
-        match step {
-            Ok(step) => println!("{seconds} {} {}", step.data, judge.cost(&w)),
-            Err(stop) => {
+/// Steps on a quarter of the rows.
+const WARM: usize = 12;
+
+/// A net under way.
+struct Fit<'a> {
+    shape: Shape,
+    kept: Part<'a>,
+    w: Vec<f64>,
+    lm: Levenberg,
+    /// Rows of the last leg; the damping is in their proportion.
+    rows: usize,
+    seconds: f64,
+}
+
+impl<'a> Fit<'a> {
+    fn new(kept: Part<'a>, w: Vec<f64>, config: LmConfig) -> Fit<'a> {
+        let shape = Shape {
+            sizes: vec![kept.inputs, 20, 10, 3],
+        };
+        let lm = Levenberg::new(w.len(), config);
+        Fit {
+            shape,
+            kept,
+            w,
+            lm,
+            rows: 0,
+            seconds: 0.0,
+        }
+    }
+
+    /// Up to `steps` steps on `some` rows, judged on `all`.
+    fn run(&mut self, some: Part<'a>, steps: usize, all: Part<'a>) {
+        if steps == 0 {
+            return;
+        }
+        let mut problem = self.problem(some);
+        let mut judges = [self.problem(all), self.problem(self.kept)];
+        let [trained, kept] = judges.each_mut().map(|judge| judge.cost(&self.w));
+        if self.rows == 0 {
+            println!("0 {trained} {kept}");
+        } else {
+            self.lm
+                .rescale_damping(some.len() as f64 / self.rows as f64);
+            self.lm.settle();
+        }
+        self.rows = some.len();
+        for _ in 0..steps {
+            let before = cpu_seconds();
+            let step = self.lm.step(&mut problem, &mut self.w, 0.0);
+            self.seconds += cpu_seconds() - before;
+            if let Err(stop) = step {
                 eprintln!("stopped: {}", stop.name());
                 return;
             }
+            let [trained, kept] = judges.each_mut().map(|judge| judge.cost(&self.w));
+            println!("{} {trained} {kept}", self.seconds);
         }
     }
-}
 
-fn problem<'a>(shape: &Shape, part: Part<'a>) -> NetProblem<Part<'a>> {
-    NetProblem::new(shape, part, 3 * Rows::len(&part), Loss::Absolute)
+    fn problem(&self, part: Part<'a>) -> NetProblem<Part<'a>> {
+        NetProblem::new(&self.shape, part, 3 * part.len(), Loss::Absolute)
+    }
 }
 
 /// CPU seconds of this process so far.
