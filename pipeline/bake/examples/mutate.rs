@@ -42,7 +42,10 @@ fn main() {
     );
 }
 
-fn reader(target: &str) -> Box<dyn Fn(&[u8])> {
+/// Reads bytes as a user's file is read; whatever it returns is fine, a panic is not.
+type Reader = Box<dyn Fn(&[u8])>;
+
+fn reader(target: &str) -> Reader {
     match target {
         "pbrt" | "gltf" | "glb" | "obj" => {
             let name = format!("scene.{target}");
