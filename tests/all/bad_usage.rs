@@ -19,7 +19,13 @@ fn unknown_words() {
         &["--lite-box", "--help"],
     );
     refused(&["bake"], &["SCENE"]);
-    refused(&[], &["Usage", "bake"]);
+    // the list of all commands: no message, and as long as it is
+    let list = rrf(&[]);
+    assert_eq!(list.code, Some(2));
+    assert!(
+        list.err.contains("Usage") && list.err.contains("bake"),
+        "{list:#?}"
+    );
     refused(
         &["bake", &cornell(), "-o", "x", "--preset", "best"],
         &["best", "preview"],

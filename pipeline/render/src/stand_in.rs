@@ -7,7 +7,9 @@
 //! traced at a few hundred probes of the surface, per unit of its radiance: y. Points and
 //! intensities c_k, of either sign, are chosen such that
 //!
-//!     Σ_probes w² (y − Σ_k c_k Φ_k)² + ε² Σ_k c_k² Σ_probes w² Φ_k²
+//! ```text
+//! Σ_probes w² (y − Σ_k c_k Φ_k)² + ε² Σ_k c_k² Σ_probes w² Φ_k²
+//! ```
 //!
 //! is least, w the weight of the relative error. The second term is what the nets' own error ε
 //! adds, light by light: without it large intensities of opposite sign would win. Points are
