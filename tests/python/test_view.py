@@ -84,7 +84,7 @@ class Viewer:
         self.page.on("request", lambda r: self.requests.append(r.url))
         self.page.on("websocket", lambda w: self.requests.append(w.url))
         self.page.goto(url)
-        self.wait(1)
+        self.shown(1)
 
     def log(self, message):
         # said of this test's own reading of pictures
@@ -102,10 +102,9 @@ class Viewer:
             assert time.monotonic() < end, f"not within {seconds} s: {condition}; {self.logged}"
             time.sleep(0.02)
 
-    def wait(self, more):
-        """Until `more` frames have been shown, and no question waits."""
-        goal = self.frames() + more
-        self.until(f"Number(document.body.dataset.frames || 0) >= {goal} && !asked && !again")
+    def shown(self, count):
+        """Until `count` frames have been shown in all, and no question waits."""
+        self.until(f"Number(document.body.dataset.frames || 0) >= {count} && !asked && !again")
 
     def wait_paths(self, paths):
         """Until the traced picture has so many paths a pixel."""
@@ -116,9 +115,10 @@ class Viewer:
 
     def change(self, act):
         """The picture before and after."""
-        before = self.digest()
+        before, frames = self.digest(), self.frames()
         act()
-        self.wait(1)
+        # counted from before the act: its frame may be there already
+        self.shown(frames + 1)
         return before, self.digest()
 
     def light(self):
@@ -210,8 +210,7 @@ def test_camera_moves(viewer):
 
 
 def test_modes_differ_and_parts_add_up(viewer):
-    viewer.page.evaluate("setExposure(0)")
-    viewer.wait(1)
+    viewer.change(lambda: viewer.page.evaluate("setExposure(0)"))
     seen = {}
     for key, mode in enumerate(["full", "direct", "indirect", "cells", "trust"], start=1):
         if mode != "full":
@@ -249,8 +248,7 @@ def test_resizing(viewer):
 
 def test_tracing_beside_it(viewer):
     page = viewer.page
-    page.select_option("#size", "256")
-    viewer.wait(1)
+    viewer.change(lambda: page.select_option("#size", "256"))
     page.click("#trace")
     viewer.wait_paths(8)
     rows = page.locator("#measures tr").all_text_contents()
