@@ -3,7 +3,7 @@
 Starts a server that speaks S3 on loopback (moto, from PyPI), and shows there
 - a bake, killed and resumed, that ends with the bytes of a bake in a folder;
 - a part that two writers store at the same time: one wins, the other finds it done;
-- that another machine (an empty cache) answers queries from what is stored.
+- that another machine (an empty cache) answers queries from what is stored, and keeps no copy.
 RRF is the program; --server names moto's command.
 """
 
@@ -91,8 +91,11 @@ def raced(work, port, run):
                              stderr=subprocess.PIPE, text=True) for i in range(2)]
     said = [p.communicate() for p in both]
     assert [p.returncode for p in both] == [0, 0], said
-    parts = [below(the_only(work / f"race-{i}") / "samples") for i in range(2)]
-    assert parts[0] == parts[1] and len(parts[0]) == 1
+    assert all("done" in out for out, _ in said), said
+    missing = rrf(environment(port, work / "race-plan"), "plan", run, "--missing").stdout.split()
+    assert "0" not in missing and missing, missing
+    stored = below(the_only(work / "race-plan"))
+    assert [name for name in stored if name.startswith("samples/")] == ["samples/cell=000000/part-00000.parquet"]
     third = subprocess.run(task, env=environment(port, work / "race-3"), capture_output=True, text=True)
     assert "done already" in third.stdout, third
 
@@ -128,8 +131,8 @@ def main():
             rrf(env, "query", "s3://runs/box", "--points", points, "-o", answers[0])
             rrf(env, "query", whole, "--points", points, "-o", answers[1])
             assert answers[0].read_bytes() == answers[1].read_bytes()
-            assert not (the_only(work / "reader") / "samples").exists(), "a query fetched samples"
-            print("a query fetches the model alone")
+            assert not any((work / "reader").iterdir()), "a query left its copy behind"
+            print("a query answers from the store, and leaves nothing behind")
             wrong = rrf(environment(free_port(), work / "none"), "query", "s3://runs/box", "--points", points,
                         "-o", answers[0], check=False)
             assert wrong.returncode == 1 and "cannot list" in wrong.stderr, wrong

@@ -16,7 +16,7 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
     let start = Instant::now();
     let scene = scene::load(&args.scene, &args.settings.scene_options)?;
     let config = config(&args.settings, &scene)?;
-    let place = Place::open(&args.output, |_| true)?;
+    let place = Place::whole(&args.output)?;
     let folder = place.folder().to_path_buf();
     let watch = Bars::new(quiet, &args.bounds)?.keeping(place);
     let ended = rrf_bake::bake(&scene, &config, &folder, args.settings.resume, &watch)?;
@@ -37,7 +37,7 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     let bake = &args.bake;
     let asked = &bake.settings;
     let scene = scene::load(&bake.scene, &asked.scene_options)?;
-    let place = Place::open(&bake.output, |_| true)?;
+    let place = Place::whole(&bake.output)?;
     let run = Run::create(
         place.folder(),
         &scene,
@@ -67,7 +67,7 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
 
 /// Train, judge: the round that is extracted.
 pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
-    let place = Place::open(&args.run, |_| true)?;
+    let place = Place::whole(&args.run)?;
     let mut run = Run::open(place.folder())?;
     run.config.train.mode = mode(args);
     let standing = rrf_bake::standing(&run)?;

@@ -1,7 +1,7 @@
 //! A run opened for looking at: its scene, its nets, and what a user should know.
 
 use crate::failure::BadInput;
-use crate::place::{self, Place};
+use crate::place::Place;
 use glam::Vec3;
 use rrf_bake::Run;
 use rrf_extract::Lookout;
@@ -24,12 +24,14 @@ pub struct Baked {
     /// The nets.
     pub field: Field,
     tree: ModelTree,
+    /// Where the run's files are for as long as it is open.
+    _place: Place,
 }
 
 impl Baked {
     /// Reads the run, its scene and its model.
     pub fn open(folder: &Path) -> anyhow::Result<Baked> {
-        let place = Place::open(folder, place::model)?;
+        let place = Place::model(folder)?;
         let run = Run::open(place.folder())?;
         let scene = run.load_scene()?;
         let model = model::read_model(&run.folder, &run.facts())?;
@@ -40,6 +42,7 @@ impl Baked {
             run,
             field,
             tree: model.tree,
+            _place: place,
         })
     }
 

@@ -2,6 +2,7 @@
 
 use crate::args::{ExportArgs, Part, ViewArgs};
 use crate::failure::BadInput;
+use crate::place::Place;
 use crate::{scene, view};
 use rrf_bake::Run;
 use rrf_scene::{Camera, Scene};
@@ -10,11 +11,9 @@ use std::path::Path;
 
 /// Writes what was asked for.
 pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
-    let run = args
-        .input
-        .is_dir()
-        .then(|| Run::open(&args.input))
-        .transpose()?;
+    let place = Place::model(&args.input)?;
+    let run = place.folder().is_dir().then(|| Run::open(place.folder()));
+    let run = run.transpose()?;
     if let Some(folder) = &args.mitsuba {
         let scene = match &run {
             Some(run) => run.load_scene()?,

@@ -1,55 +1,83 @@
 //! Where a run lies: a folder, or an object store with a copy on this machine.
 
-use rrf_remote::{Mirror, is_url};
+use rrf_remote::{Mirror, RemoteError, is_url};
 use std::path::{Path, PathBuf};
 
 /// A run's folder on this machine.
 pub struct Place {
     folder: PathBuf,
     mirror: Option<Mirror>,
-}
-
-/// What looking at a run needs.
-pub fn model(name: &str) -> bool {
-    name == "run.json" || name.starts_with("model/")
+    /// Whether the copy is of no use afterwards.
+    passing: bool,
 }
 
 impl Place {
-    /// The folder named, or a copy of what an address holds of the files that `wanted` names.
-    pub fn open(path: &Path, wanted: impl Fn(&str) -> bool) -> anyhow::Result<Place> {
-        if !is_url(path) {
-            return Ok(Place {
-                folder: path.into(),
-                mirror: None,
-            });
-        }
-        let address = path.to_string_lossy();
-        let mirror = Mirror::open(&address, &copies()?.join(name(&address)))?;
-        mirror.pull(wanted)?;
+    /// To bake in: all files. One process at a time works on a copy of this kind.
+    pub fn whole(path: &Path) -> anyhow::Result<Place> {
+        let place = Place::open(path, "")?;
+        place.mirror.as_ref().map_or(Ok(()), Mirror::pull)?;
+        Ok(place)
+    }
+
+    /// To look at: the manifest and the model.
+    pub fn model(path: &Path) -> anyhow::Result<Place> {
+        let place = Place::passing(path, "view")?;
+        place.pull(|name| name == "run.json" || name.starts_with("model/"))?;
+        Ok(place)
+    }
+
+    /// To do one task in, beside any number of others: no files yet.
+    pub fn task(path: &Path) -> anyhow::Result<Place> {
+        Place::passing(path, "task")
+    }
+
+    fn passing(path: &Path, purpose: &str) -> anyhow::Result<Place> {
+        let mut place = Place::open(path, &format!("-{purpose}-{}", std::process::id()))?;
+        place.passing = place.mirror.is_some();
+        Ok(place)
+    }
+
+    fn open(path: &Path, purpose: &str) -> anyhow::Result<Place> {
+        let mirror = match is_url(path) {
+            true => {
+                let address = path.to_string_lossy();
+                let copy = copies()?.join(name(&address) + purpose);
+                Some(Mirror::open(&address, &copy)?)
+            }
+            false => None,
+        };
         Ok(Place {
-            folder: mirror.folder().into(),
-            mirror: Some(mirror),
+            folder: mirror.as_ref().map_or(path, Mirror::folder).into(),
+            mirror,
+            passing: false,
         })
     }
 
-    /// Fetches more files of an address.
+    /// Fetches files of an address.
     pub fn pull(&self, wanted: impl Fn(&str) -> bool) -> anyhow::Result<()> {
-        Ok(self.mirror.as_ref().map_or(Ok(()), |m| m.pull(wanted))?)
+        Ok(self
+            .mirror
+            .as_ref()
+            .map_or(Ok(()), |m| m.pull_some(wanted))?)
     }
 
     /// Stores what changed, where the run has an address.
-    pub fn push(&self) -> anyhow::Result<()> {
-        Ok(self.mirror.as_ref().map_or(Ok(()), Mirror::push)?)
+    pub fn push(&self) -> Result<(), RemoteError> {
+        self.mirror.as_ref().map_or(Ok(()), Mirror::push)
     }
 
     /// The folder on this machine.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
+}
 
-    /// The copy, where the run has an address.
-    pub fn into_mirror(self) -> Option<Mirror> {
-        self.mirror
+impl Drop for Place {
+    fn drop(&mut self) {
+        if self.passing {
+            // what is left of a copy is in nobody's way
+            let _ = std::fs::remove_dir_all(&self.folder);
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::args::Bounds;
 use crate::place::Place;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rrf_bake::{Halt, Judgement, Stage, Watch};
-use rrf_remote::{Mirror, RemoteError};
+use rrf_remote::RemoteError;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::borrow::Cow;
@@ -21,7 +21,7 @@ pub struct Bars {
     deadline: Option<Instant>,
     memory: Option<u64>,
     interrupted: Arc<AtomicBool>,
-    mirror: Option<Mirror>,
+    place: Option<Place>,
 }
 
 impl Bars {
@@ -43,21 +43,21 @@ impl Bars {
                 .and_then(|d| Instant::now().checked_add(d)),
             memory: bounds.memory,
             interrupted,
-            mirror: None,
+            place: None,
         })
     }
 
     /// Keeps an address up to date with the run's folder, task for task.
     pub fn keeping(self, place: Place) -> Bars {
         Bars {
-            mirror: place.into_mirror(),
+            place: Some(place),
             ..self
         }
     }
 
     /// Stores what changed, where the run has an address.
     pub fn push(&self) -> Result<(), RemoteError> {
-        self.mirror.as_ref().map_or(Ok(()), Mirror::push)
+        self.place.as_ref().map_or(Ok(()), Place::push)
     }
 
     fn with(&self, act: impl FnOnce(&mut ProgressBar)) {

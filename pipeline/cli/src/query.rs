@@ -1,7 +1,7 @@
 //! `rrf query`: the model at the rows of a points table.
 
 use crate::args::QueryArgs;
-use crate::place::{self, Place};
+use crate::place::Place;
 use crate::points;
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
 use rrf_bake::Run;
@@ -19,7 +19,8 @@ use std::sync::Arc;
 /// Reads the table, evaluates the nets, writes the table with `r g b cell_id trusted` appended.
 pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     check_ending(&args.output)?;
-    let run = Run::open(Place::open(&args.run, place::model)?.folder())?;
+    let place = Place::model(&args.run)?;
+    let run = Run::open(place.folder())?;
     let scene = run.load_scene()?.unlit();
     let tracer = Tracer::new(&scene)?;
     let model = model::read_model(&run.folder, &run.facts())?;

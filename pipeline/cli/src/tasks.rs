@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// Plans the first round of a new run, or writes the table of the round at hand.
 pub fn plan(args: &PlanArgs) -> anyhow::Result<()> {
-    let place = Place::open(args.output.as_ref().unwrap_or(&args.input), |_| true)?;
+    let place = Place::whole(args.output.as_ref().unwrap_or(&args.input))?;
     let run = match &args.output {
         Some(_) => {
             let asked = &args.settings;
@@ -94,7 +94,8 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
                 .strip_prefix(&tables)
                 .is_some_and(|file| !file.contains('/'))
     };
-    let place = Place::open(&run_path, planned)?;
+    let place = Place::task(&run_path)?;
+    place.pull(planned)?;
     let run = Run::open(place.folder())?;
     let index = index(args)?;
     let listed = read_tasks(&task_table_path(&run.folder, round), &run.facts())?;
@@ -147,7 +148,7 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
 
 /// Makes the round's fits the model and plans the next round.
 pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
-    let place = Place::open(&args.run, |_| true)?;
+    let place = Place::whole(&args.run)?;
     let run = Run::open(place.folder())?;
     let standing = rrf_bake::standing(&run)?;
     let Some(plan) = standing.todo else {

@@ -2,24 +2,27 @@
 
 use crate::error::RemoteError;
 use crate::remote::Remote;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
+use std::time::SystemTime;
 
 /// Files that are replaced by later rounds; all others are written once.
 const CHANGING: [&str; 1] = ["model/"];
+/// What a run's other files belong to.
+const MANIFEST: &str = "run.json";
 /// What marks a round as planned, trained or committed comes after what it speaks of.
 const LAST: [&str; 3] = ["tasks.parquet", "plan.json", "judged.json"];
 
-/// A folder and the store's.
+/// A folder and the store's. The store is the truth: the folder is a copy of this process alone.
 #[derive(Debug)]
 pub struct Mirror {
     folder: PathBuf,
     remote: Remote,
-    /// Files known to be the same on both sides, but for those that change.
-    same: Mutex<BTreeSet<String>>,
+    /// Files that are the same on both sides, and when they were written here.
+    same: Mutex<BTreeMap<String, SystemTime>>,
 }
 
 impl Mirror {
@@ -28,7 +31,7 @@ impl Mirror {
         Ok(Mirror {
             folder: folder.into(),
             remote: Remote::open(address)?,
-            same: Mutex::new(BTreeSet::new()),
+            same: Mutex::new(BTreeMap::new()),
         })
     }
 
@@ -37,18 +40,49 @@ impl Mirror {
         &self.folder
     }
 
-    /// Fetches what the store has and this machine does not, of the files that `wanted` names.
-    /// A file of this machine that the store does not have stays, and is stored by [`Mirror::push`].
-    pub fn pull(&self, wanted: impl Fn(&str) -> bool) -> Result<(), RemoteError> {
-        for name in self.remote.list()?.into_iter().filter(|name| wanted(name)) {
+    /// Makes the folder what the store has, all of it: what a copy of earlier holds beside that
+    /// goes, so that nothing comes back that others have removed since. A copy of another run at
+    /// the same address goes whole.
+    pub fn pull(&self) -> Result<(), RemoteError> {
+        let there = self.remote.list()?;
+        let manifest = self.folder.join(MANIFEST);
+        if fs::read(&manifest).ok() != self.remote.get(MANIFEST)? {
+            remove(&self.folder, fs::remove_dir_all(&self.folder))?;
+        }
+        let mut here = Vec::new();
+        list(&self.folder, "", &mut here)?;
+        for name in here
+            .iter()
+            .filter(|name| there.binary_search(name).is_err())
+        {
+            let path = self.folder.join(name);
+            remove(&path, fs::remove_file(&path))?;
+        }
+        self.fetch(there)
+    }
+
+    /// Fetches those of the store's files that `wanted` names.
+    pub fn pull_some(&self, wanted: impl Fn(&str) -> bool) -> Result<(), RemoteError> {
+        self.fetch(
+            self.remote
+                .list()?
+                .into_iter()
+                .filter(|name| wanted(name))
+                .collect(),
+        )
+    }
+
+    fn fetch(&self, names: Vec<String>) -> Result<(), RemoteError> {
+        let mut same = self.same();
+        for name in names {
             let path = self.folder.join(&name);
-            if !changes(&name) && path.exists() {
-                self.same().insert(name);
-                continue;
-            }
-            if let Some(bytes) = self.remote.get(&name)? {
+            if (changes(&name) || !path.exists())
+                && let Some(bytes) = self.remote.get(&name)?
+            {
                 write(&path, &bytes)?;
-                self.same().insert(name);
+            }
+            if let Some(written) = written(&path)? {
+                same.insert(name, written);
             }
         }
         Ok(())
@@ -61,28 +95,29 @@ impl Mirror {
         let mut names = Vec::new();
         list(&self.folder, "", &mut names)?;
         names.sort_by_key(|name| (order(name), name.clone()));
-        let here: BTreeSet<&String> = names.iter().collect();
         for name in &names {
-            if same.contains(name) && !changes(name) {
+            let path = self.folder.join(name);
+            // another thread's file may have been renamed, or removed by a commit, meanwhile
+            let Some(now) = written(&path)? else {
+                continue;
+            };
+            if same
+                .get(name)
+                .is_some_and(|then| !changes(name) || *then == now)
+            {
                 continue;
             }
-            let path = self.folder.join(name);
-            let bytes = match fs::read(&path) {
-                Ok(bytes) => bytes,
-                // another thread's temporary file, or a part that a commit has removed meanwhile
-                Err(error) if error.kind() == ErrorKind::NotFound => continue,
-                Err(source) => return Err(io(&path, "read", source)),
-            };
+            let bytes = fs::read(&path).map_err(|source| io(&path, "read", source))?;
             if changes(name) {
                 self.remote.put(name, bytes)?;
             } else {
                 self.remote.put_new(name, bytes)?;
             }
-            same.insert(name.clone());
+            same.insert(name.clone(), now);
         }
         let gone: Vec<String> = same
-            .iter()
-            .filter(|name| !here.contains(name))
+            .keys()
+            .filter(|name| !names.contains(name))
             .cloned()
             .collect();
         for name in gone {
@@ -92,7 +127,7 @@ impl Mirror {
         Ok(())
     }
 
-    fn same(&self) -> MutexGuard<'_, BTreeSet<String>> {
+    fn same(&self) -> MutexGuard<'_, BTreeMap<String, SystemTime>> {
         // what a panicking thread left is still a set of names that were stored
         self.same
             .lock()
@@ -135,6 +170,23 @@ fn list(root: &Path, folder: &str, names: &mut Vec<String>) -> Result<(), Remote
         }
     }
     Ok(())
+}
+
+/// When a file was written; none where it is not there.
+fn written(path: &Path) -> Result<Option<SystemTime>, RemoteError> {
+    match fs::metadata(path).and_then(|meta| meta.modified()) {
+        Ok(time) => Ok(Some(time)),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(source) => Err(io(path, "read", source)),
+    }
+}
+
+/// What is gone already was removed.
+fn remove(path: &Path, removed: std::io::Result<()>) -> Result<(), RemoteError> {
+    match removed {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(io(path, "remove", source)),
+        _ => Ok(()),
+    }
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), RemoteError> {
@@ -186,7 +238,7 @@ mod tests {
         put(&a, "staging/x.0.tmp", "half");
         put(&a, "rounds/000/.plan.json.0.tmp", "half");
         a.push().unwrap();
-        b.pull(|_| true).unwrap();
+        b.pull().unwrap();
         assert_eq!(
             text(&b, "samples/cell=000000/part-00000.parquet").unwrap(),
             "rows"
@@ -197,12 +249,57 @@ mod tests {
         put(&a, "model/weights.arrow", "second");
         fs::remove_file(a.folder().join("samples/cell=000000/part-00000.parquet")).unwrap();
         a.push().unwrap();
-        b.pull(|_| true).unwrap();
+        b.pull().unwrap();
         assert_eq!(text(&b, "model/weights.arrow").unwrap(), "second");
         assert_eq!(
             b.remote.list().unwrap(),
             ["model/weights.arrow", "run.json"]
         );
+    }
+
+    /// A copy that another process left: parts that were taken apart since are not stored again,
+    /// and nothing of another run at the same address is taken for this one's.
+    #[test]
+    fn the_store_is_the_truth() {
+        let base = tempfile::tempdir().unwrap();
+        let [a, b] = mirrors(base.path());
+        put(&a, "run.json", "one");
+        a.push().unwrap();
+        put(&b, "run.json", "one");
+        put(
+            &b,
+            "samples/cell=000000/part-00000.parquet",
+            "taken apart since",
+        );
+        b.pull().unwrap();
+        b.push().unwrap();
+        assert_eq!(b.remote.list().unwrap(), ["run.json"]);
+
+        put(&b, "run.json", "of a run that was there before");
+        put(&b, "model/weights.arrow", "of that run");
+        b.pull().unwrap();
+        assert_eq!(text(&b, "run.json").unwrap(), "one");
+        assert_eq!(text(&b, "model/weights.arrow"), None);
+    }
+
+    /// What has not changed is not sent again.
+    #[test]
+    fn a_model_is_stored_once_a_round() {
+        let base = tempfile::tempdir().unwrap();
+        let [a, b] = mirrors(base.path());
+        put(&a, "model/weights.arrow", "first");
+        a.push().unwrap();
+        // put there by another: an unneeded push would bring the first back
+        b.remote
+            .put("model/weights.arrow", b"another's".to_vec())
+            .unwrap();
+        a.push().unwrap();
+        let stored = b.remote.get("model/weights.arrow").unwrap().unwrap();
+        assert_eq!(stored, b"another's");
+        put(&a, "model/weights.arrow", "second");
+        a.push().unwrap();
+        let stored = b.remote.get("model/weights.arrow").unwrap().unwrap();
+        assert_eq!(stored, b"second");
     }
 
     #[test]
