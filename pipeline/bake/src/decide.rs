@@ -228,39 +228,10 @@ fn taken(parent: &CellPlan, child: u32) -> Vec<PartPlan> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::DrawPlan;
+    use crate::plan::one_cell;
     use crate::task::expected_rows;
-    use rrf_extract::Census;
     use rrf_field::columns;
-    use rrf_field::tree::Tree;
     use rrf_train::Size;
-
-    fn one_cell() -> RoundPlan {
-        RoundPlan {
-            round: 0,
-            tree: Tree::single(),
-            cells: vec![CellPlan {
-                cell: 0,
-                measure: 1.0,
-                parts: vec![PartPlan {
-                    part: 0,
-                    draw: 0,
-                    from: None,
-                }],
-                size: Size::Hidden(vec![20, 10]),
-                fitted: 0,
-            }],
-            draws: vec![DrawPlan {
-                node: 0,
-                rows: 6000,
-                paths: 256,
-            }],
-            lambert: vec![true],
-            mean_luminance: 1.0,
-            diagonal: 1.0,
-            census: Census::default(),
-        }
-    }
 
     fn remedy(action: Action, rows: u32) -> Remedy {
         Remedy {
@@ -286,7 +257,7 @@ mod tests {
     /// the same to a child, and the plan stays sound.
     #[test]
     fn children_keep_rows_and_get_the_rest() {
-        let mut plan = one_cell();
+        let mut plan = one_cell(256);
         plan.round = 1;
         apply(
             &mut plan,
@@ -314,7 +285,7 @@ mod tests {
 
     #[test]
     fn a_larger_net_draws_nothing() {
-        let mut plan = one_cell();
+        let mut plan = one_cell(256);
         plan.round = 1;
         let size = Size::Hidden(vec![32, 16]);
         apply(&mut plan, &remedy(Action::Grow(size.clone()), 0));

@@ -141,3 +141,19 @@ pub(crate) fn draw_parts(
         })
         .collect()
 }
+
+/// A first plan of one cell of 6,000 rows, for tests.
+#[cfg(test)]
+pub(crate) fn one_cell(paths: u32) -> RoundPlan {
+    let first = FirstPlan {
+        tree: Tree::single(),
+        cells: vec![rrf_extract::CellShare {
+            rows: 6000,
+            measure: 1.0,
+        }],
+        lambert: vec![true],
+        mean_luminance: 1.0,
+        census: Census::default(),
+    };
+    RoundPlan::first(first, 1.0, paths, &Size::Hidden(vec![20, 10]))
+}

@@ -168,38 +168,9 @@ const MOST_PATHS: u32 = 1024;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{DrawPlan, PartPlan};
+    use crate::plan::one_cell;
     use crate::{BakeConfig, Preset};
-    use rrf_extract::{Census, LightBox};
-    use rrf_field::tree::Tree;
-
-    fn plan(paths: u32) -> RoundPlan {
-        let part = PartPlan {
-            part: 0,
-            draw: 0,
-            from: None,
-        };
-        RoundPlan {
-            round: 0,
-            tree: Tree::single(),
-            cells: vec![CellPlan {
-                cell: 0,
-                measure: 1.0,
-                parts: vec![part],
-                size: Size::Hidden(vec![20, 10]),
-                fitted: 0,
-            }],
-            draws: vec![DrawPlan {
-                node: 0,
-                rows: 6000,
-                paths,
-            }],
-            lambert: vec![true],
-            mean_luminance: 1.0,
-            diagonal: 1.0,
-            census: Census::default(),
-        }
-    }
+    use rrf_extract::LightBox;
 
     fn judged(noise: f64, gap: f64) -> CellJudgement {
         CellJudgement {
@@ -225,7 +196,7 @@ mod tests {
         };
         let config = BakeConfig::preset(Preset::Standard, light_box, 1);
         for (now, noise, gap) in [(256, 0.2, 0.01), (64, 0.1, 0.02), (128, 0.3, 0.012)] {
-            let (plan, judged) = (plan(now), judged(noise, gap));
+            let (plan, judged) = (one_cell(now), judged(noise, gap));
             let chosen = paths(&config, &plan, &plan.cells[0], &judged);
             let size = &plan.cells[0].size;
             let variance = noise * noise * f64::from(now);

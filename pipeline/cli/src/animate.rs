@@ -23,7 +23,7 @@ pub fn run(args: &RenderArgs, camera: &Path) -> anyhow::Result<()> {
     let [folder] = args.output.as_slice() else {
         return Err(BadInput("--path writes one folder: give -o once".into()).into());
     };
-    let shots = path::read(camera, args.view.size.unwrap_or(SIZE))?;
+    let shots = path::read(camera, args.view.camera.size.unwrap_or(SIZE))?;
     let baked = Baked::open(&args.run)?;
     let lights = lights(args, &baked, &shots)?;
     let first = lights.first().cloned().unwrap_or_default();
@@ -89,10 +89,10 @@ pub fn run(args: &RenderArgs, camera: &Path) -> anyhow::Result<()> {
 /// Each frame's lights: its row's, or the ones typed, or the scene's.
 fn lights(args: &RenderArgs, baked: &Baked, shots: &[Shot]) -> Result<Vec<Lights>, BadInput> {
     if shots.iter().all(|shot| shot.lights.is_empty()) {
-        let lights = view::lights(&args.view, &baked.scene)?;
+        let lights = view::lights(&args.view.camera, &baked.scene)?;
         return Ok(vec![lights; shots.len()]);
     }
-    if !args.view.light.is_empty() {
+    if !args.view.camera.light.is_empty() {
         return Err(BadInput(
             "the path has light columns: leave --light out".into(),
         ));

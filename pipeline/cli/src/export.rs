@@ -1,6 +1,6 @@
 //! `rrf export`: the scene, or the baked nets, for other programs.
 
-use crate::args::{ExportArgs, Part, ViewArgs};
+use crate::args::ExportArgs;
 use crate::failure::BadInput;
 use crate::place::Place;
 use crate::{scene, view};
@@ -35,22 +35,9 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
 }
 
 fn mitsuba(args: &ExportArgs, scene: &Scene, folder: &Path) -> anyhow::Result<()> {
-    let typed = ViewArgs {
-        eye: args.eye,
-        look_at: args.look_at,
-        up: args.up,
-        mirror: false,
-        scene_lights: false,
-        fov: args.fov,
-        size: args.size,
-        light: args.light.clone(),
-        part: Part::Full,
-        aa: 1,
-        exposure: None,
-    };
-    let lights = view::lights(&typed, scene)?;
-    let camera = if args.eye.is_some() || !scene.cameras.is_empty() {
-        Some(camera(view::view(&typed, scene)?))
+    let lights = view::lights(&args.camera, scene)?;
+    let camera = if args.camera.eye.is_some() || !scene.cameras.is_empty() {
+        Some(camera(view::view(&args.camera, scene)?))
     } else {
         None
     };

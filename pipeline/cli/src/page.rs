@@ -17,13 +17,13 @@ use signal_hook::iterator::Signals;
 pub fn run(args: &PageArgs) -> anyhow::Result<()> {
     let baked = Baked::open(&args.run)?;
     let tracer = Tracer::new(&baked.unlit)?;
-    let mut start = view::view(&args.view, &baked.scene)?;
-    if args.view.size.is_none() {
+    let mut start = view::view(&args.view.camera, &baked.scene)?;
+    if args.view.camera.size.is_none() {
         fit(&mut start);
     }
     let lookout = Lookout::new(&baked.unlit, &tracer);
-    let lights = match args.view.light.is_empty() {
-        false => view::lights(&args.view, &baked.scene)?.points,
+    let lights = match args.view.camera.light.is_empty() {
+        false => view::lights(&args.view.camera, &baked.scene)?.points,
         true => vec![first_light(&baked, &tracer, &start)?],
     };
     let show = Show {

@@ -15,8 +15,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     }
     pictures::check_endings(&args.output)?;
     let baked = Baked::open(&args.run)?;
-    let frame_view = view::view(&args.view, &baked.scene)?;
-    let lights = view::lights(&args.view, &baked.scene)?;
+    let frame_view = view::view(&args.view.camera, &baked.scene)?;
+    let lights = view::lights(&args.view.camera, &baked.scene)?;
     let tracer = Tracer::new(baked.shown(&lights))?;
     let lamps = baked.lamps(&lights)?;
     for notice in baked.check(&tracer, &frame_view, &lights, args.anyway)? {

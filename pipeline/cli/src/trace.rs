@@ -36,8 +36,8 @@ pub fn run(args: &TraceArgs, quiet: bool) -> anyhow::Result<()> {
 
 fn trace_frame(args: &TraceArgs, scene: &Scene, quiet: bool) -> anyhow::Result<()> {
     pictures::check_endings(&args.output)?;
-    let frame_view = view::view(&args.view, scene)?;
-    let lights = view::lights(&args.view, scene)?;
+    let frame_view = view::view(&args.view.camera, scene)?;
+    let lights = view::lights(&args.view.camera, scene)?;
     let unlit;
     let lit = if lights.area {
         scene

@@ -1,13 +1,13 @@
 //! From what was typed to a view and its lights; the scene's own are the defaults.
 
-use crate::args::ViewArgs;
+use crate::args::CameraArgs;
 use crate::failure::BadInput;
 use glam::Vec3;
 use rrf_render::{Lights, View};
 use rrf_scene::{PointLight, Scene};
 
 /// The view typed, over the scene's first camera.
-pub fn view(args: &ViewArgs, scene: &Scene) -> Result<View, BadInput> {
+pub fn view(args: &CameraArgs, scene: &Scene) -> Result<View, BadInput> {
     let camera = scene.cameras.first();
     let mut view = match (args.eye, args.look_at, camera) {
         (Some(eye), Some(target), _) => {
@@ -37,7 +37,7 @@ pub fn view(args: &ViewArgs, scene: &Scene) -> Result<View, BadInput> {
     Ok(view)
 }
 
-fn look_at(args: &ViewArgs, eye: Vec3, target: Vec3, fov: Option<f32>) -> Result<View, BadInput> {
+fn look_at(args: &CameraArgs, eye: Vec3, target: Vec3, fov: Option<f32>) -> Result<View, BadInput> {
     let up = Vec3::from(args.up.unwrap_or([0.0, 1.0, 0.0]));
     let forward = target - eye;
     if forward.length() == 0.0 || forward.normalize().cross(up.normalize_or_zero()).length() < 1e-6
@@ -55,7 +55,7 @@ fn look_at(args: &ViewArgs, eye: Vec3, target: Vec3, fov: Option<f32>) -> Result
 }
 
 /// The lights typed, or the scene's own.
-pub fn lights(args: &ViewArgs, scene: &Scene) -> Result<Lights, BadInput> {
+pub fn lights(args: &CameraArgs, scene: &Scene) -> Result<Lights, BadInput> {
     let typed = args.light.iter().map(|l| PointLight {
         position: Vec3::new(l[0], l[1], l[2]),
         intensity: Vec3::new(l[3], l[4], l[5]),

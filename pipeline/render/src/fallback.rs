@@ -2,7 +2,7 @@
 
 use crate::error::RenderError;
 use crate::frame::Frame;
-use crate::tile::{Tile, Visible};
+use crate::tile::Visible;
 use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -80,15 +80,7 @@ fn trace_row(
     if !wanted.contains(&true) {
         return Ok(Vec::new());
     }
-    let tile = Tile {
-        x: 0,
-        y,
-        width: view.width,
-        height: 1,
-    };
-    let mut seen = Visible::default();
-    seen.shoot(tracer, view, tile, aa);
-    seen.read_hits(tracer);
+    let seen = Visible::of_row(tracer, view, y, aa);
     let chosen: Vec<usize> = (0..seen.points.len())
         .filter(|&i| wanted[seen.pixel[i] as usize])
         .collect();

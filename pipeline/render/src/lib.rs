@@ -19,6 +19,8 @@ mod facts;
 mod fallback;
 pub mod flip;
 mod frame;
+mod layers;
+mod learned;
 mod notice;
 pub mod path;
 pub mod png;

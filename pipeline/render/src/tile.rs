@@ -42,11 +42,6 @@ impl Tile {
             height: HEIGHT.min(height - y),
         })
     }
-
-    /// How many pixels.
-    pub fn pixels(self) -> usize {
-        self.width as usize * self.height as usize
-    }
 }
 
 /// The surface points that a tile's camera rays meet; rays that miss have no row.
@@ -71,6 +66,20 @@ pub struct Visible {
 }
 
 impl Visible {
+    /// What `aa` x `aa` rays a pixel see along one row of pixels.
+    pub fn of_row(tracer: &Tracer, view: &View, y: u32, aa: u32) -> Visible {
+        let tile = Tile {
+            x: 0,
+            y,
+            width: view.width,
+            height: 1,
+        };
+        let mut seen = Visible::default();
+        seen.shoot(tracer, view, tile, aa);
+        seen.read_hits(tracer);
+        seen
+    }
+
     /// Shoots `aa` x `aa` rays a pixel, one through each of its sub-squares.
     pub fn shoot(&mut self, tracer: &Tracer, view: &View, tile: Tile, aa: u32) {
         self.aim(view, tile, aa);

@@ -6,7 +6,7 @@ use crate::error::RenderError;
 use crate::facts;
 use crate::frame::{Frame, luminance};
 use crate::stages::Stages;
-use crate::tile::{Tile, Visible};
+use crate::tile::Visible;
 use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -84,17 +84,9 @@ fn trace_row(
     sampling: Sampling,
     seed: u64,
 ) -> Result<Row, TraceError> {
-    let tile = Tile {
-        x: 0,
-        y,
-        width: view.width,
-        height: 1,
-    };
-    let mut seen = Visible::default();
-    seen.shoot(tracer, view, tile, aa);
-    seen.read_hits(tracer);
+    let seen = Visible::of_row(tracer, view, y, aa);
     let viewers = &seen.viewers;
-    let black = || vec![Vec3::ZERO; tile.pixels()];
+    let black = || vec![Vec3::ZERO; view.width as usize];
     let mut row = [[black(), black()], [black(), black()]];
     let weight = 1.0 / (aa * aa) as f32;
     let mut add = |part: usize, half: usize, values: &mut dyn Iterator<Item = Vec3>| {

@@ -1,16 +1,17 @@
 //! Damaged glTF files: a message with file and place, never a panic, and never more memory
-//! than the file's size accounts for.
+//! than the file's size accounts for. A binary of its own: its allocator watches every request.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod support;
+#[path = "files/glb.rs"]
+mod glb;
 
+use glb::{Glb, load_bytes};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rrf_scene::LoadOptions;
 use serde_json::{Value, json};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use support::{Glb, load_bytes};
 
 /// The system's allocator, remembering the largest request.
 struct Watched;

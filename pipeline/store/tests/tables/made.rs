@@ -1,5 +1,4 @@
 //! Tables made from a counter, for tests and for the fixture that the Python checks read.
-#![allow(dead_code)]
 
 use rrf_field::columns::{COUNT, Columns};
 use rrf_field::model::CellModel;

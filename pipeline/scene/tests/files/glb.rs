@@ -1,9 +1,7 @@
 //! Small glTF files built in memory, for the tests.
-#![allow(dead_code)]
 
-use rrf_scene::{LoadOptions, Scene, SceneError, Warning, load};
+use rrf_scene::{LoadOptions, Scene, SceneError, load};
 use serde_json::{Value, json};
-use std::path::Path;
 
 /// A `.glb` in the making: JSON and one buffer.
 pub struct Glb {
@@ -92,13 +90,6 @@ impl Glb {
         self.push("textures", json!({ "source": image }))
     }
 
-    /// A triangle at the origin, so that there is a surface.
-    pub fn some_triangle(&mut self) {
-        let positions = self.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-        let attributes = json!({ "POSITION": positions });
-        self.place(json!({ "attributes": attributes }), json!({}));
-    }
-
     /// A mesh of one primitive under a node of the scene; the node's index.
     pub fn place(&mut self, primitive: Value, mut node: Value) -> usize {
         let mesh = self.push("meshes", json!({ "primitives": [primitive] }));
@@ -176,31 +167,4 @@ pub fn load_bytes(name: &str, bytes: &[u8], options: &LoadOptions) -> Result<Sce
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
     load(&path, options)
-}
-
-/// A file of the repository.
-pub fn repository(path: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../..")
-        .join(path)
-}
-
-/// The warnings, without the one that every scene without lights gets.
-pub fn notes(scene: &Scene) -> Vec<&Warning> {
-    let is_common = |w: &&Warning| w.message.contains("no lights of its own");
-    scene.warnings.iter().filter(|w| !is_common(w)).collect()
-}
-
-/// Whether a warning's message contains `part`.
-pub fn warns(scene: &Scene, part: &str) -> bool {
-    scene
-        .warnings
-        .iter()
-        .any(|warning| warning.message.contains(part))
-}
-
-/// Cross product of a triangle's edges: its geometric normal times twice its area.
-pub fn edge_cross(scene: &Scene, triangle: usize) -> glam::Vec3 {
-    let [a, b, c] = scene.triangles[triangle].map(|v| scene.positions[v as usize]);
-    (b - a).cross(c - a)
 }

@@ -1,13 +1,11 @@
 //! OBJ files and their MTL libraries.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod support;
-
+use crate::glb::{load_bytes, png};
+use crate::support::{edge_cross, notes, warns};
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rrf_scene::{INVALID, LoadOptions, MaterialKind, Scene, load};
-use support::{edge_cross, load_bytes, notes, png, warns};
 
 /// A unit cube of quadrilaterals, faces outwards.
 const CUBE: &str = "\

@@ -1,12 +1,10 @@
 //! Materials, textures, lights and cameras of glTF files built here.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod support;
-
+use crate::glb::{Glb, png};
+use crate::support::{notes, some_triangle, warns};
 use glam::{Vec2, Vec3};
 use rrf_scene::{INVALID, LightUnits, LoadOptions, MaterialKind, Scene, load};
 use serde_json::{Value, json};
-use support::{Glb, notes, png, warns};
 
 /// Upper left red, upper right green, lower left blue, lower right grey.
 const PICTURE: [[u8; 3]; 4] = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [188, 188, 188]];
@@ -306,7 +304,7 @@ fn light(glb: &mut Glb, light: Value, node: Value) {
 #[test]
 fn point_lights_are_read_others_are_left_out() {
     let mut glb = Glb::new();
-    glb.some_triangle();
+    some_triangle(&mut glb);
     light(
         &mut glb,
         json!({ "type": "point" }),
@@ -350,7 +348,7 @@ fn units_of_emission_beside_candela_are_said() {
 #[test]
 fn cameras_follow_their_nodes() {
     let mut glb = Glb::new();
-    glb.some_triangle();
+    some_triangle(&mut glb);
     let upright = json!({ "yfov": 1.0, "aspectRatio": 0.5, "znear": 0.1 });
     let camera = json!({ "type": "perspective", "perspective": upright, "name": "c" });
     glb.push("cameras", camera);

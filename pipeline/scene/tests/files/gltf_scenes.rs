@@ -1,12 +1,9 @@
 //! The repository's glTF scenes, and files of Blender's exporter.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod support;
-
+use crate::support::{edge_cross, notes, repository};
 use glam::Vec3;
 use rrf_scene::{INVALID, LightUnits, LoadOptions, MaterialKind, Scene, load};
 use std::f64::consts::PI;
-use support::{edge_cross, notes, repository};
 
 fn total_area(scene: &Scene, material: &str) -> f64 {
     (0..scene.triangles.len())

@@ -1,0 +1,103 @@
+//! From typed text to values, with what would be right where it is wrong.
+
+fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
+    let given: Vec<&str> = text.split(',').collect();
+    if given.len() != N {
+        return Err(format!(
+            "needs {N} numbers with commas between, has {}",
+            given.len()
+        ));
+    }
+    let mut out = [0.0; N];
+    for (out, text) in out.iter_mut().zip(given) {
+        *out = number(text)?;
+    }
+    Ok(out)
+}
+
+fn number(text: &str) -> Result<f32, String> {
+    let x: f32 = text
+        .trim()
+        .parse()
+        .map_err(|_| format!("{text:?} is no number"))?;
+    if x.is_finite() {
+        Ok(x)
+    } else {
+        Err(format!("{text:?} is not finite"))
+    }
+}
+
+pub fn parse_vec3(text: &str) -> Result<[f32; 3], String> {
+    numbers::<3>(text)
+}
+
+pub fn parse_box(text: &str) -> Result<[f32; 6], String> {
+    let b = numbers::<6>(text)?;
+    if (0..3).any(|i| b[i] > b[i + 3]) {
+        return Err("the first corner has to be the smaller one on every axis".into());
+    }
+    Ok(b)
+}
+
+pub fn parse_light(text: &str) -> Result<[f32; 6], String> {
+    if text.split(',').count() == 3 {
+        let p = numbers::<3>(text)?;
+        return Ok([p[0], p[1], p[2], 1.0, 1.0, 1.0]);
+    }
+    let l = numbers::<6>(text).map_err(|e| format!("{e} (or 3 for a light of 1 W/sr)"))?;
+    if l[3..].iter().any(|&x| x < 0.0) {
+        return Err("an intensity cannot be negative".into());
+    }
+    Ok(l)
+}
+
+pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text
+        .split_once('x')
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    match parsed {
+        Some([w, h]) if (1..=16384).contains(&w) && (1..=16384).contains(&h) => Ok([w, h]),
+        _ => Err("needs WIDTHxHEIGHT, each from 1 to 16384, for example 640x480".into()),
+    }
+}
+
+pub fn positive(text: &str) -> Result<f32, String> {
+    let x = number(text)?;
+    if x > 0.0 {
+        Ok(x)
+    } else {
+        Err("has to be above 0".into())
+    }
+}
+
+pub fn unit_interval(text: &str) -> Result<f32, String> {
+    let x = number(text)?;
+    if (0.0..=1.0).contains(&x) {
+        Ok(x)
+    } else {
+        Err("has to be from 0 to 1".into())
+    }
+}
+
+/// `1500000`, `512MiB`, `2GB`.
+pub fn parse_bytes(text: &str) -> Result<u64, String> {
+    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.');
+    let (number, unit) = text.split_at(digits.unwrap_or(text.len()));
+    let number: f64 = number.parse().map_err(|_| format!("{text}: no size"))?;
+    let scale: f64 = match unit.trim() {
+        "" | "B" => 1.0,
+        "kB" => 1e3,
+        "MB" => 1e6,
+        "GB" => 1e9,
+        "KiB" => 1024.0,
+        "MiB" => 1048576.0,
+        "GiB" => 1073741824.0,
+        _ => return Err(format!("{unit}: units are B, kB, MB, GB, KiB, MiB, GiB")),
+    };
+    let bytes = number * scale;
+    if (1.0..1e18).contains(&bytes) {
+        Ok(bytes as u64)
+    } else {
+        Err(format!("{text}: not a size of memory"))
+    }
+}

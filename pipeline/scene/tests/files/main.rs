@@ -1,0 +1,10 @@
+//! glTF and OBJ files, read.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod glb;
+mod gltf_geometry;
+mod gltf_materials;
+mod gltf_scenes;
+mod obj_files;
+mod support;
