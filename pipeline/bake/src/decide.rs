@@ -56,12 +56,8 @@ pub enum Next {
 /// A round takes remedies until they make up this share of what all of them should remove:
 /// the rest is spread thinly over many cells, and better judged after the round.
 const SHARE: f64 = 0.75;
-/// Or until the whole should come to this share of what a bake stops at: predictions are rough.
+/// Or until the whole should come to this share of the target: predictions are rough.
 const AIM: f64 = 0.95;
-/// A bake stops where error and standard error together come to this share of the target. The
-/// rows that tell the error have also chosen the weights that are kept, and a few lights close
-/// to surfaces make up much of it: other points show more.
-const MARGIN: f64 = 0.85;
 /// Standard errors within which an error counts as zero.
 const HIDDEN: f64 = 2.0;
 
@@ -85,7 +81,7 @@ pub fn decide(run: &Run, plan: &RoundPlan, judgement: &Judgement) -> Result<Next
 
 fn stop(config: &BakeConfig, plan: &RoundPlan, judgement: &Judgement) -> Option<Stop> {
     let (error, se) = (judgement.relative_error, judgement.relative_error_se);
-    if error + se <= MARGIN * f64::from(config.target) {
+    if error + se <= f64::from(config.target) {
         Some(Stop::Target)
     } else if error <= HIDDEN * se {
         Some(Stop::Noise)
@@ -98,7 +94,7 @@ fn stop(config: &BakeConfig, plan: &RoundPlan, judgement: &Judgement) -> Option<
 
 /// The best remedy of every cell that misses the target.
 fn remedies(run: &Run, plan: &RoundPlan, judgement: &Judgement) -> Result<Vec<Remedy>, BakeError> {
-    let target = (MARGIN * f64::from(run.config.target)).powi(2);
+    let target = f64::from(run.config.target).powi(2);
     let may_split = plan.cells.len() < run.config.most_cells as usize;
     let misses: Vec<&CellJudgement> = judgement
         .cells
@@ -120,7 +116,7 @@ fn chosen(run: &Run, judgement: &Judgement, mut remedies: Vec<Remedy>) -> Vec<Re
     let rate = |r: &Remedy| r.gain / r.seconds.max(f64::MIN_POSITIVE);
     remedies.sort_by(|a, b| rate(b).total_cmp(&rate(a)).then(a.cell.cmp(&b.cell)));
     let possible: f64 = remedies.iter().map(|r| r.gain).sum();
-    let sought = AIM * (MARGIN * f64::from(run.config.target)).min(judgement.relative_error);
+    let sought = AIM * f64::from(run.config.target).min(judgement.relative_error);
     let wanted = (SHARE * possible).min(judgement.relative_error.powi(2) - sought.powi(2));
     let mut room = (run.config.most_cells as usize).saturating_sub(judgement.cells.len());
     let mut gained = 0.0;
@@ -232,6 +228,38 @@ mod tests {
     use crate::task::expected_rows;
     use rrf_field::columns;
     use rrf_train::Size;
+
+    /// Each reason to stop at its border, and none beside it.
+    #[test]
+    fn stops_where_it_should() {
+        let light_box = rrf_extract::LightBox {
+            minimum: [0.0; 3],
+            maximum: [1.0; 3],
+        };
+        let config = BakeConfig {
+            target: 0.05,
+            rounds: 3,
+            ..BakeConfig::preset(crate::Preset::Standard, light_box, 1)
+        };
+        let after = |round: u32, relative_error: f64, relative_error_se: f64| {
+            let plan = RoundPlan {
+                round,
+                ..one_cell(256)
+            };
+            let judgement = Judgement {
+                relative_error,
+                relative_error_se,
+                cells: Vec::new(),
+            };
+            stop(&config, &plan, &judgement)
+        };
+        assert_eq!(after(0, 0.048, 0.001), Some(Stop::Target));
+        assert_eq!(after(0, 0.048, 0.003), None);
+        assert_eq!(after(0, 0.060, 0.031), Some(Stop::Noise));
+        assert_eq!(after(0, 0.060, 0.029), None);
+        assert_eq!(after(1, 0.060, 0.001), None);
+        assert_eq!(after(2, 0.060, 0.001), Some(Stop::Rounds));
+    }
 
     fn remedy(action: Action, rows: u32) -> Remedy {
         Remedy {
