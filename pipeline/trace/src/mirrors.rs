@@ -149,14 +149,14 @@ impl Mirrors {
         if total == 0.0 {
             return None;
         }
-        let (mut left, mut chosen) = (u[0] * total, 0);
-        for (number, weight) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
-            chosen = number;
-            left -= weight;
-            if left < 0.0 {
-                break;
-            }
+        // the first whose share of the sum so far goes beyond the number; without a branch each
+        let (mut so_far, mut chosen, mut last) = (0.0, 0, 0);
+        for (number, weight) in weights.iter().enumerate().take(self.mirrors.len()) {
+            so_far += weight;
+            chosen += usize::from(so_far <= u[0] * total);
+            last = if *weight > 0.0 { number } else { last };
         }
+        let chosen = chosen.min(last);
         let mirror = self.mirrors.get(chosen)?;
         let image = mirror.image(x, l);
         Some(Proposal {
@@ -228,9 +228,16 @@ fn weights(frames: &Frames, x: Vec3, l: Vec3) -> Each {
     weights
 }
 
-/// In the mirrors' order.
+/// In halves, so that no addition waits for all before it.
 fn sum(weights: &Each) -> f32 {
-    weights.iter().sum()
+    let mut sums = *weights;
+    let mut half = MOST / 2;
+    while half > 0 {
+        let (low, high) = sums.split_at_mut(half);
+        low.iter_mut().zip(high).for_each(|(a, b)| *a += *b);
+        half /= 2;
+    }
+    sums[0]
 }
 
 impl Frames {
