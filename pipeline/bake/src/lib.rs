@@ -13,12 +13,14 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod bake;
+mod checkpoint;
 mod commit;
 mod config;
 mod cost;
 mod crew;
 mod decide;
 mod error;
+mod fitting;
 mod judge;
 mod plan;
 mod remedy;

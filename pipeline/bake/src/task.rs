@@ -52,6 +52,8 @@ pub struct Task {
     pub seconds: f64,
     /// Bytes of memory that it should need at the most.
     pub memory: u64,
+    /// Bytes that it can do with: a fit may keep its rows in a file.
+    pub least_memory: u64,
 }
 
 /// Program version: another one may compute other bits.
@@ -79,6 +81,7 @@ pub fn tasks(run: &Run, plan: &RoundPlan) -> Result<Vec<Task>, BakeError> {
                 hash: hash.clone(),
                 seconds: cost::extract_seconds(part, draw),
                 memory: cost::extract_memory(draw),
+                least_memory: cost::extract_memory(draw),
             });
         }
         let rows = rows.get(cell.cell as usize).copied().unwrap_or(0);
@@ -90,6 +93,7 @@ pub fn tasks(run: &Run, plan: &RoundPlan) -> Result<Vec<Task>, BakeError> {
             hash: fit_hash(run, plan, cell, &hashes)?,
             seconds: cost::train_seconds(rows, &cell.size, &run.config.train),
             memory: cost::train_memory(rows),
+            least_memory: cost::spilled_memory(rows),
         });
     }
     extract.append(&mut train);

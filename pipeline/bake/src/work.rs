@@ -1,20 +1,17 @@
 //! How a task is done.
 
 use crate::error::BakeError;
+use crate::fitting;
 use crate::plan::{CellPlan, PartPlan, RoundPlan};
 use crate::run::Run;
-use crate::split::is_held_out;
-use crate::task::{Stage, Task, draw, fit_config};
+use crate::task::{Stage, Task, draw};
 use rrf_extract::{Draw, Lookout};
-use rrf_field::columns::{self, Columns};
 use rrf_field::tree::{self, Tree};
 use rrf_scene::Scene;
-use rrf_store::layout::{fit_folder, list_parts, part_path};
-use rrf_store::model::{self, CellMetrics, Domain, Fit, SquareError};
+use rrf_store::layout::{list_parts, part_path};
 use rrf_store::parts;
 use rrf_store::samples::SampleTable;
 use rrf_trace::Tracer;
-use rrf_train::{ErrorEstimate, TrainConfig, fit_cell};
 
 /// A scene ready to be sampled. Training needs none.
 pub struct Site<'a> {
@@ -44,7 +41,8 @@ impl<'a> Site<'a> {
     }
 }
 
-/// Does a task: its output is there afterwards.
+/// Does a task: its output is there afterwards. A fit that would need more than `memory` bytes
+/// keeps its rows in a file; its output is the same.
 ///
 /// # Errors
 /// [`BakeError::NoSite`] for an extraction without a site; whatever the stages find.
@@ -53,6 +51,7 @@ pub fn perform(
     plan: &RoundPlan,
     site: Option<&Site>,
     task: &Task,
+    memory: Option<u64>,
 ) -> Result<(), BakeError> {
     let cell = plan
         .cells
@@ -70,7 +69,7 @@ pub fn perform(
             })?;
             extract(run, plan, site, cell, part, &task.hash)
         }
-        _ => train(run, plan, cell, &task.hash),
+        _ => fitting::train(run, plan, cell, task, memory),
     }
 }
 
@@ -168,6 +167,16 @@ pub(crate) fn read_cell(run: &Run, cell: &CellPlan) -> Result<SampleTable, BakeE
         cell_id: cell.cell,
         ..SampleTable::default()
     };
+    each_part(run, cell, &mut |table| whole.extend(table))?;
+    Ok(whole)
+}
+
+/// Hands on a cell's rows, a part at a time, in the plan's order.
+pub(crate) fn each_part(
+    run: &Run,
+    cell: &CellPlan,
+    see: &mut dyn FnMut(&SampleTable),
+) -> Result<(), BakeError> {
     // a stray file would stop every other reader of the dataset too: said here, by name
     list_parts(&run.folder, cell.cell)?;
     for part in &cell.parts {
@@ -177,109 +186,12 @@ pub(crate) fn read_cell(run: &Run, cell: &CellPlan) -> Result<SampleTable, BakeE
                 cell: cell.cell,
             });
         }
-        let table = parts::read_part(&run.folder, cell.cell, part.part, &run.facts())?;
-        whole.extend(&table);
+        see(&parts::read_part(
+            &run.folder,
+            cell.cell,
+            part.part,
+            &run.facts(),
+        )?);
     }
-    Ok(whole)
-}
-
-fn train(run: &Run, plan: &RoundPlan, cell: &CellPlan, hash: &str) -> Result<(), BakeError> {
-    let table = read_cell(run, cell)?;
-    let fit = fit(&table, &plan.lambert, &fit_config(run, plan, cell))?;
-    let fit = Fit {
-        domain: span(&table.columns),
-        metrics: metrics(&fit.metrics, &table, cell.fitted),
-        model: fit.model,
-        task: hash.into(),
-    };
-    let folder = fit_folder(&run.folder, cell.fitted, cell.cell);
-    Ok(model::write_fit(&folder, &fit, &run.facts())?)
-}
-
-/// One cell's fit; rows are held out by a hash of their index.
-fn fit(
-    table: &SampleTable,
-    lambert: &[bool],
-    config: &TrainConfig,
-) -> Result<rrf_train::CellFit, BakeError> {
-    let held_out: Vec<bool> = table
-        .index
-        .iter()
-        .map(|&index| is_held_out(config.seed, index))
-        .collect();
-    let all_lambert = table
-        .material
-        .iter()
-        .all(|&m| lambert.get(m as usize).copied().unwrap_or(false));
-    let config = TrainConfig {
-        divide_base: all_lambert,
-        ..config.clone()
-    };
-    let halves = [table.halves[0].as_slice(), table.halves[1].as_slice()];
-    Ok(fit_cell(
-        table.cell_id,
-        &table.columns,
-        halves,
-        &held_out,
-        &config,
-    )?)
-}
-
-/// The box that rows span, or none without rows.
-fn span(rows: &Columns) -> Option<Domain> {
-    let bound = |pick: fn(f32, f32) -> f32| -> Option<[f32; columns::COUNT]> {
-        let bounds: Vec<f32> = rows
-            .columns
-            .iter()
-            .filter_map(|c| c.iter().copied().reduce(pick))
-            .collect();
-        bounds.try_into().ok()
-    };
-    Some(Domain {
-        min: bound(f32::min)?,
-        max: bound(f32::max)?,
-    })
-}
-
-fn metrics(fit: &rrf_train::CellMetrics, table: &SampleTable, round: u32) -> CellMetrics {
-    let error = |e: &ErrorEstimate| {
-        (e.rows > 0).then_some(SquareError {
-            mean: e.square,
-            se: e.square_se,
-        })
-    };
-    CellMetrics {
-        cell_id: fit.cell,
-        round,
-        rows: fit.rows as u64,
-        train_rows: fit.train_rows as u64,
-        validation_rows: fit.validation_rows as u64,
-        quarantined_rows: fit.quarantined_rows as u64,
-        iterations: fit.iterations as u32,
-        stop_reason: fit.stop.name().into(),
-        train: error(&fit.train_error),
-        validation: error(&fit.validation_error),
-        noise: noise(table, fit.floor),
-        effective_parameters: Some(fit.effective_parameters),
-        alpha: fit.alpha,
-        damping: fit.mu,
-        weights: fit.weights as u32,
-        seed: fit.seed,
-    }
-}
-
-/// Relative standard error of the targets: Var[(y0 + y1) / 2] = E[(y0 - y1)²] / 4, over the
-/// same divisor as the relative error.
-fn noise(table: &SampleTable, floor: f64) -> Option<f64> {
-    let squares: Vec<f64> = (0..table.len())
-        .map(|row| {
-            let (a, b) = (table.halves[0][row], table.halves[1][row]);
-            let y = table.mean(row).map(f64::from);
-            let divisor = ((y[0] + y[1] + y[2]) / 3.0).max(floor);
-            let square: f64 = (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum();
-            square / 12.0 / (divisor * divisor)
-        })
-        .filter(|x| x.is_finite())
-        .collect();
-    (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+    Ok(())
 }

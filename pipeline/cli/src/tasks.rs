@@ -131,9 +131,9 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
             let scene = run.load_scene()?.unlit();
             let tracer = Tracer::new(&scene)?;
             let site = Site::new(&scene, &tracer);
-            rrf_bake::perform(&run, &plan, Some(&site), &task)?;
+            rrf_bake::perform(&run, &plan, Some(&site), &task, args.memory)?;
         }
-        Stage::Train => match rrf_bake::perform(&run, &plan, None, &task) {
+        Stage::Train => match rrf_bake::perform(&run, &plan, None, &task, args.memory) {
             // not this task's fault: it can succeed later
             Err(error @ BakeError::NotExtracted { .. }) => {
                 anyhow::bail!("task {index} waits for an extraction: {error}")

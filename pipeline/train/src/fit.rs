@@ -1,6 +1,7 @@
 //! One cell's samples in, one cell's model out.
 
 use crate::cell::Cell;
+use crate::checkpoint::Keeper;
 use crate::config::{Batches, Mode, Size, TrainConfig};
 use crate::error::TrainError;
 use crate::halves::ErrorEstimate;
@@ -103,19 +104,34 @@ pub fn fit_cell(
     validation: &[bool],
     config: &TrainConfig,
 ) -> Result<CellFit, TrainError> {
-    let start = Instant::now();
     let samples = Samples {
         rows,
         halves,
         validation,
     };
-    let prepared = Cell::new(cell, samples, config)?;
+    fit_kept(cell, samples, config, None)
+}
+
+/// [`fit_cell`] with someone who keeps its state: a fit that was cut off goes on where it was,
+/// with the same result.
+pub fn fit_kept(
+    cell: u32,
+    samples: Samples,
+    config: &TrainConfig,
+    keeper: Option<&dyn Keeper>,
+) -> Result<CellFit, TrainError> {
+    let prepared = Cell::new(cell, samples, config)?.kept(keeper);
+    Ok(fit_prepared(cell, prepared))
+}
+
+pub(crate) fn fit_prepared(cell: u32, prepared: Cell) -> CellFit {
+    let start = Instant::now();
     let mut fit = match prepared.trivial() {
         Some(stop) => constant(cell, prepared, stop),
         None => train(cell, prepared),
     };
     fit.metrics.seconds = start.elapsed().as_secs_f64();
-    Ok(fit)
+    fit
 }
 
 /// Whether the mean alone reaches the error sought: the smallest model of all.
@@ -151,7 +167,7 @@ fn constant(cell: u32, prepared: Cell, stop: Stop) -> CellFit {
 
 fn train(cell: u32, mut prepared: Cell) -> CellFit {
     if constant_suffices(&prepared) {
-        let unused = prepared.inputs.iter().map(|input| input.id);
+        let unused = prepared.units.inputs.iter().map(|input| input.id);
         prepared.report.dropped_inputs.extend(unused);
         return constant(cell, prepared, Stop::Target);
     }
@@ -261,9 +277,9 @@ fn finish(cell: u32, prepared: Cell, ended: Ended) -> CellFit {
     let metrics = CellMetrics {
         cell,
         seed: prepared.config.seed,
-        rows: prepared.samples.rows.len(),
-        train_rows: prepared.train_ids.len(),
-        validation_rows: prepared.validation_ids.len(),
+        rows: prepared.rows,
+        train_rows: prepared.train.len(),
+        validation_rows: prepared.validation.len(),
         quarantined_rows: prepared.report.quarantined.len(),
         iterations: ended.iterations,
         stop: ended.stop,
@@ -278,13 +294,13 @@ fn finish(cell: u32, prepared: Cell, ended: Ended) -> CellFit {
     };
     let model = CellModel {
         cell,
-        inputs: prepared.inputs.iter().map(|i| i.id).collect(),
-        input_offset: prepared.inputs.iter().map(|i| i.offset).collect(),
-        input_scale: prepared.inputs.iter().map(|i| i.scale).collect(),
+        inputs: prepared.units.inputs.iter().map(|i| i.id).collect(),
+        input_offset: prepared.units.inputs.iter().map(|i| i.offset).collect(),
+        input_scale: prepared.units.inputs.iter().map(|i| i.scale).collect(),
         shape,
         weights,
-        output_scale: prepared.output.scale,
-        output_offset: prepared.output.offset,
+        output_scale: prepared.units.output.scale,
+        output_offset: prepared.units.output.offset,
         divide_base: prepared.config.divide_base,
         exponential: prepared.config.exponential,
     };
