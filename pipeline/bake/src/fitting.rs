@@ -2,10 +2,10 @@
 
 use crate::checkpoint::Checkpoint;
 use crate::error::BakeError;
-use crate::plan::{CellPlan, RoundPlan};
+use crate::job::Job;
 use crate::run::Run;
 use crate::split::is_held_out;
-use crate::task::{Task, fit_config};
+use crate::task::fit_config;
 use crate::work::{each_part, read_cell};
 use rrf_field::columns;
 use rrf_store::atomic::create_folder;
@@ -18,19 +18,14 @@ use rrf_train::spill::{SpillError, fit_spilled};
 use rrf_train::{CellFit, ErrorEstimate, TrainConfig, fit_kept};
 
 /// Fits a cell and writes the fit.
-pub(crate) fn train(
-    run: &Run,
-    plan: &RoundPlan,
-    cell: &CellPlan,
-    task: &Task,
-    memory: Option<u64>,
-) -> Result<(), BakeError> {
-    let config = fit_config(run, plan, cell);
+pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), BakeError> {
+    let (task, cell) = (&job.task, &job.of_cell.plan);
+    let config = fit_config(run, job.shared.mean_luminance, cell);
     let spills = memory.is_some_and(|memory| task.memory > memory);
     let keeper = Checkpoint::of(run, task);
     let (fit, seen) = match spills {
-        true => spilled(run, plan, cell, config, &keeper)?,
-        false => held(run, plan, cell, config, &keeper)?,
+        true => spilled(run, job, config, &keeper)?,
+        false => held(run, job, config, &keeper)?,
     };
     let fit = Fit {
         domain: seen.domain,
@@ -46,14 +41,14 @@ pub(crate) fn train(
 
 fn held(
     run: &Run,
-    plan: &RoundPlan,
-    cell: &CellPlan,
+    job: &Job,
     config: TrainConfig,
     keeper: &Checkpoint,
 ) -> Result<(CellFit, Seen), BakeError> {
+    let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
     let table = read_cell(run, cell)?;
     let mut seen = Seen::default();
-    seen.add(&table, &plan.lambert);
+    seen.add(&table, lambert);
     let config = seen.config(config);
     let held_out = held_out(&table, config.seed);
     let samples = samples(&table, &held_out);
@@ -65,13 +60,13 @@ fn held(
 /// The same with one part in memory at a time.
 fn spilled(
     run: &Run,
-    plan: &RoundPlan,
-    cell: &CellPlan,
+    job: &Job,
     config: TrainConfig,
     keeper: &Checkpoint,
 ) -> Result<(CellFit, Seen), BakeError> {
+    let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
     let mut seen = Seen::default();
-    each_part(run, cell, &mut |table| seen.add(table, &plan.lambert))?;
+    each_part(run, cell, &mut |table| seen.add(table, lambert))?;
     let config = seen.config(config);
     let staging = staging_folder(&run.folder);
     create_folder(&staging)?;
@@ -82,15 +77,18 @@ fn spilled(
             see(&samples(table, &held_out));
         })
     };
-    let fit = fit_spilled(cell.cell, pass, &scratch, &config, Some(keeper)).map_err(|error| match error {
-        SpillError::Train(error) => error.into(),
-        SpillError::Rows(error) => error,
-        SpillError::Scratch(source) => BakeError::Store(StoreError::Io {
-            path: staging.clone(),
-            action: "use a scratch file in",
-            source,
-        }),
-    })?;
+    let fit =
+        fit_spilled(cell.cell, pass, &scratch, &config, Some(keeper)).map_err(
+            |error| match error {
+                SpillError::Train(error) => error.into(),
+                SpillError::Rows(error) => error,
+                SpillError::Scratch(source) => BakeError::Store(StoreError::Io {
+                    path: staging.clone(),
+                    action: "use a scratch file in",
+                    source,
+                }),
+            },
+        )?;
     each_part(run, cell, &mut |table| {
         seen.add_noise(table, fit.metrics.floor);
     })?;

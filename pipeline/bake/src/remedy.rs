@@ -73,7 +73,7 @@ pub(crate) fn best_remedy(
         .clamp(0.0, judged.square_error.max(0.0));
     let gap = judged.square_error - fit;
     let paths = paths(config, plan, cell, judged);
-    let train = fit_config(run, plan, cell);
+    let train = fit_config(run, plan.mean_luminance, cell);
     let fit_seconds = |size: &Size, rows| cost::train_seconds(rows, size, &train);
     let drawn_seconds = cost::draw_seconds(rows, paths);
     let twice = fit_seconds(&cell.size, 2 * u64::from(rows));

@@ -124,6 +124,10 @@ pub fn perform_stage(
 
 /// Commits a round whose tasks are done and writes down what comes next.
 pub fn finish_round(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
+    run.unless_gone(finish(run, plan))
+}
+
+fn finish(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
     let judgement = commit(run, plan)?;
     let next = decide(run, plan, &judgement)?;
     if let Next::Round(next) = &next {

@@ -2,11 +2,12 @@
 
 use crate::error::BakeError;
 use crate::fitting;
+use crate::job::Job;
 use crate::plan::{CellPlan, PartPlan, RoundPlan};
 use crate::run::Run;
-use crate::task::{Stage, Task, draw};
+use crate::task::{Stage, Task};
 use rrf_extract::{Draw, Lookout};
-use rrf_field::tree::{self, Tree};
+use rrf_field::tree::Domain;
 use rrf_scene::Scene;
 use rrf_store::layout::{list_parts, part_path};
 use rrf_store::parts;
@@ -41,11 +42,10 @@ impl<'a> Site<'a> {
     }
 }
 
-/// Does a task: its output is there afterwards. A fit that would need more than `memory` bytes
-/// keeps its rows in a file; its output is the same.
+/// Does a task of a plan; see [`perform_job`].
 ///
 /// # Errors
-/// [`BakeError::NoSite`] for an extraction without a site; whatever the stages find.
+/// As [`perform_job`]; [`BakeError::NoSuchCell`].
 pub fn perform(
     run: &Run,
     plan: &RoundPlan,
@@ -53,45 +53,48 @@ pub fn perform(
     task: &Task,
     memory: Option<u64>,
 ) -> Result<(), BakeError> {
-    let cell = plan
-        .cells
-        .get(task.cell as usize)
-        .ok_or(BakeError::NoSuchCell {
-            cell: task.cell,
-            last: plan.cells.len().saturating_sub(1) as u32,
-        })?;
-    match (task.stage, task.part) {
+    perform_job(run, &Job::of(plan, task)?, site, memory)
+}
+
+/// Does a task: its output is there afterwards. A fit that would need more than `memory` bytes
+/// keeps its rows in a file; its output is the same.
+///
+/// # Errors
+/// [`BakeError::NoSite`] for an extraction without a site, [`BakeError::Gone`]; whatever the stages find.
+pub fn perform_job(
+    run: &Run,
+    job: &Job,
+    site: Option<&Site>,
+    memory: Option<u64>,
+) -> Result<(), BakeError> {
+    run.unless_gone(Ok(()))?;
+    let cell = &job.of_cell.plan;
+    let done = match (job.task.stage, job.task.part) {
         (Stage::Extract, Some(number)) => {
             let part = cell.parts.iter().find(|p| p.part == number);
             let part = part.ok_or_else(|| BakeError::Plan {
-                round: plan.round,
+                round: job.shared.round,
                 reason: format!("cell {} has no part {number}", cell.cell),
             })?;
-            extract(run, plan, site, cell, part, &task.hash)
+            extract(run, job, site, part)
         }
-        _ => fitting::train(run, plan, cell, task, memory),
-    }
+        _ => fitting::train(run, job, memory),
+    };
+    run.unless_gone(done)
 }
 
-fn extract(
-    run: &Run,
-    plan: &RoundPlan,
-    site: Option<&Site>,
-    cell: &CellPlan,
-    part: &PartPlan,
-    hash: &str,
-) -> Result<(), BakeError> {
-    let table = match taken(run, plan, part)? {
+fn extract(run: &Run, job: &Job, site: Option<&Site>, part: &PartPlan) -> Result<(), BakeError> {
+    let table = match taken(run, job, part)? {
         Some(table) => table,
-        None => drawn(run, plan, site, part)?,
+        None => drawn(run, job, site, part)?,
     };
-    let table = within(table, &plan.tree, cell.cell);
-    parts::write_part_of(&run.folder, part.part, &table, &run.facts(), hash)?;
+    let table = within(table, &job.of_cell.leaf.domain(), job.task.cell);
+    parts::write_part_of(&run.folder, part.part, &table, &run.facts(), &job.task.hash)?;
     Ok(())
 }
 
 /// The draw's rows from the part that holds them, where it is still there and whole.
-fn taken(run: &Run, plan: &RoundPlan, part: &PartPlan) -> Result<Option<SampleTable>, BakeError> {
+fn taken(run: &Run, job: &Job, part: &PartPlan) -> Result<Option<SampleTable>, BakeError> {
     let Some([cell, number]) = part.from else {
         return Ok(None);
     };
@@ -102,7 +105,7 @@ fn taken(run: &Run, plan: &RoundPlan, part: &PartPlan) -> Result<Option<SampleTa
     let of_draw = |index: &u64| (index >> 32) as u32 == part.draw;
     if !table.index.iter().all(of_draw) {
         return Err(BakeError::Plan {
-            round: plan.round,
+            round: job.shared.round,
             reason: format!("part {number} of cell {cell} is of another draw"),
         });
     }
@@ -111,16 +114,15 @@ fn taken(run: &Run, plan: &RoundPlan, part: &PartPlan) -> Result<Option<SampleTa
 
 fn drawn(
     run: &Run,
-    plan: &RoundPlan,
+    job: &Job,
     site: Option<&Site>,
     part: &PartPlan,
 ) -> Result<SampleTable, BakeError> {
     let site = site.ok_or(BakeError::NoSite)?;
-    let asked = draw(plan, part)?;
-    let domain = plan.tree.node_domains().get(asked.node as usize).copied();
+    let (asked, bounds) = job.of_cell.draw(job.shared.round, part)?;
     let draw = Draw {
         stream: part.draw,
-        domain: domain.unwrap_or(tree::Domain::EMPTY),
+        domain: bounds.domain(),
         rows: asked.rows,
         paths: asked.paths,
     };
@@ -143,14 +145,14 @@ fn drawn(
     })
 }
 
-/// The rows that lie in a cell.
-fn within(table: SampleTable, tree: &Tree, cell: u32) -> SampleTable {
-    let cells = tree.find_all(&table.columns);
+/// The rows that lie in a cell's box.
+fn within(table: SampleTable, leaf: &Domain, cell: u32) -> SampleTable {
     let mut kept = SampleTable {
         cell_id: cell,
         ..SampleTable::default()
     };
-    for (row, _) in cells.iter().enumerate().filter(|(_, c)| **c == cell) {
+    let inside = |row: &usize| leaf.contains(&table.columns.row(*row));
+    for row in (0..table.len()).filter(inside) {
         kept.index.push(table.index[row]);
         kept.columns.push(table.columns.row(row));
         kept.material.push(table.material[row]);

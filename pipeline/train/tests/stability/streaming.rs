@@ -53,7 +53,8 @@ fn spilled(cell: &Cell, rows: usize, config: &TrainConfig, keeper: Option<&dyn K
 }
 
 fn assert_same(a: &CellFit, b: &CellFit) {
-    let bits = |fit: &CellFit| -> Vec<u32> { fit.model.weights.iter().map(|w| w.to_bits()).collect() };
+    let bits =
+        |fit: &CellFit| -> Vec<u32> { fit.model.weights.iter().map(|w| w.to_bits()).collect() };
     assert_eq!(bits(a), bits(b));
     assert_eq!(a.model, b.model);
     assert_eq!(a.report, b.report);
@@ -198,7 +199,12 @@ fn a_state_of_another_fit_is_not_used() {
     fit_kept(0, samples(&cell), &other, Some(&album)).unwrap();
     let states = album.states.into_inner();
     let whole = fit_kept(0, samples(&cell), &config(), None).unwrap();
-    for first in [&states[0], &states[states.len() / 2], &vec![7; 801], &vec![255; 800]] {
+    for first in [
+        &states[0],
+        &states[states.len() / 2],
+        &vec![7; 801],
+        &vec![255; 800],
+    ] {
         let album = Album {
             first: Some(first.clone()),
             ..Album::default()
