@@ -3,13 +3,14 @@
 use crate::error::BakeError;
 use crate::fitting;
 use crate::job::Job;
-use crate::plan::{CellPlan, PartPlan, RoundPlan};
+use crate::plan::{CellPlan, MOST_ROWS, PartPlan, RoundPlan};
 use crate::run::Run;
 use crate::task::{Stage, Task};
 use rrf_extract::{Draw, Lookout};
 use rrf_field::tree::Domain;
 use rrf_scene::Scene;
 use rrf_store::layout::{list_parts, part_path};
+use rrf_store::part_reader::PartReader;
 use rrf_store::parts;
 use rrf_store::samples::SampleTable;
 use rrf_trace::Tracer;
@@ -171,6 +172,28 @@ pub(crate) fn read_cell(run: &Run, cell: &CellPlan) -> Result<SampleTable, BakeE
     };
     each_part(run, cell, &mut |table| whole.extend(table))?;
     Ok(whole)
+}
+
+/// Rows of a cell for a decision about it: whole parts, in the plan's order, until there are as
+/// many as one draw has at the most; and how many the cell has. What a decision holds in memory
+/// does not grow with the cell.
+pub(crate) fn read_some(run: &Run, cell: &CellPlan) -> Result<(SampleTable, u32), BakeError> {
+    let mut some = SampleTable {
+        cell_id: cell.cell,
+        ..SampleTable::default()
+    };
+    let mut rows = 0;
+    for part in &cell.parts {
+        let path = part_path(&run.folder, cell.cell, part.part);
+        if some.len() < MOST_ROWS as usize {
+            let table = parts::read_part(&run.folder, cell.cell, part.part, &run.facts())?;
+            some.extend(&table);
+            rows += table.len();
+        } else {
+            rows += PartReader::open(&path, cell.cell, part.part, &run.facts())?.rows();
+        }
+    }
+    Ok((some, u32::try_from(rows).unwrap_or(u32::MAX)))
 }
 
 /// Hands on a cell's rows, a part at a time, in the plan's order.
