@@ -3,6 +3,4 @@
 
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
-    rrf_fuzz::scene("scene.pbrt", bytes);
-});
+fuzz_target!(|bytes: &[u8]| rrf_fuzz::pbrt(bytes));

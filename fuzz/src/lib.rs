@@ -14,71 +14,109 @@ use rrf_store::{model, parts, points, task_table};
 use std::path::{Path, PathBuf};
 use std::sync::{Once, OnceLock};
 
-/// The run that the seeds of all tables are of.
-const RUN: &str = include_str!("../seeds/run_json/run.json");
+/// The run that the seeds of all tables are of; a byte that says so goes before.
+const RUN: &[u8] = include_bytes!("../seeds/small/run.json");
 
-/// A scene file of a name.
-pub fn scene(name: &str, bytes: &[u8]) {
+/// A pbrt scene.
+pub fn pbrt(bytes: &[u8]) {
+    scene("scene.pbrt", bytes);
+}
+
+/// A glTF scene, text or binary.
+pub fn gltf(bytes: &[u8]) {
+    match bytes.starts_with(b"glTF") {
+        true => scene("scene.glb", bytes),
+        false => scene("scene.gltf", bytes),
+    }
+}
+
+/// A Parquet table, which one by the first byte.
+pub fn parquet(bytes: &[u8]) {
+    match bytes.split_first() {
+        Some((b'0', rest)) => part(rest),
+        Some((b'1', rest)) => points("points.parquet", rest),
+        Some((b'2', rest)) => tasks(rest),
+        _ => (),
+    }
+}
+
+/// An Arrow table, which one by the first byte.
+pub fn arrow(bytes: &[u8]) {
+    match bytes.split_first() {
+        Some((b'0', rest)) => tree(rest),
+        Some((b'1', rest)) => weights(rest),
+        Some((b'2', rest)) => metrics(rest),
+        Some((b'3', rest)) => points("points.arrow", rest),
+        _ => (),
+    }
+}
+
+/// What is small and text: OBJ, manifest, plan.
+pub fn small(bytes: &[u8]) {
+    match bytes.split_first() {
+        Some((b'0', rest)) => scene("scene.obj", rest),
+        Some((b'1', rest)) => run_json(rest),
+        Some((b'2', rest)) => plan_json(rest),
+        _ => (),
+    }
+}
+
+fn scene(name: &str, bytes: &[u8]) {
     let path = write(&folder().join("scene").join(name), bytes);
     let _ = rrf_scene::load(&path, &LoadOptions::default());
 }
 
-/// The first part of the first cell.
-pub fn part(bytes: &[u8]) {
+/// The first part of the first cell, whole and batch by batch.
+fn part(bytes: &[u8]) {
     write(&part_path(folder(), 0, 0), bytes);
     let _ = parts::read_part(folder(), 0, 0, facts());
     let _ = parts::part_task(folder(), 0, 0, facts());
     let _ = parts::read_cell(folder(), 0, facts());
 }
 
-/// One table of the model, `tree`, `weights` or `metrics`.
-pub fn model(table: &str, bytes: &[u8]) {
-    write(
-        &model_folder(folder()).join(format!("{table}.arrow")),
-        bytes,
-    );
-    match table {
-        "tree" => drop(model::read_tree(folder(), facts())),
-        "weights" => {
-            let _ = model::read_weights(folder(), facts());
-            // the same table, of one cell
-            let fit = fit_folder(folder(), 0, 0);
-            write(&fit.join("weights.arrow"), bytes);
-            let _ = model::fit_task(&fit, facts());
-        }
-        _ => drop(model::read_metrics(folder(), facts())),
-    }
+fn tree(bytes: &[u8]) {
+    write(&model_folder(folder()).join("tree.arrow"), bytes);
+    drop(model::read_tree(folder(), facts()));
 }
 
-/// A table of points; Parquet begins with PAR1.
-pub fn points(bytes: &[u8]) {
-    let name = match bytes.starts_with(b"PAR1") {
-        true => "points.parquet",
-        false => "points.arrow",
-    };
+/// The weights of a model, and the same as one cell's fit.
+fn weights(bytes: &[u8]) {
+    write(&model_folder(folder()).join("weights.arrow"), bytes);
+    let _ = model::read_weights(folder(), facts());
+    let fit = fit_folder(folder(), 0, 0);
+    write(&fit.join("weights.arrow"), bytes);
+    let _ = model::fit_task(&fit, facts());
+}
+
+fn metrics(bytes: &[u8]) {
+    write(&model_folder(folder()).join("metrics.arrow"), bytes);
+    drop(model::read_metrics(folder(), facts()));
+}
+
+fn points(name: &str, bytes: &[u8]) {
     let path = write(&folder().join(name), bytes);
     let _ = points::read_points(&path, Limits::default());
 }
 
 /// The tasks of a round.
-pub fn tasks(bytes: &[u8]) {
+fn tasks(bytes: &[u8]) {
     let path = write(&folder().join("tasks.parquet"), bytes);
     let _ = task_table::read_tasks(&path, facts());
 }
 
 /// The manifest.
-pub fn run_json(bytes: &[u8]) {
+fn run_json(bytes: &[u8]) {
     let run = folder().join("run");
     write(&RunManifest::path(&run), bytes);
     let _ = Run::open(&run);
 }
 
 /// A round's plan, its tasks and their hashes.
-pub fn plan_json(bytes: &[u8]) {
+fn plan_json(bytes: &[u8]) {
     static RUN_OPEN: OnceLock<Option<Run>> = OnceLock::new();
     let run = RUN_OPEN.get_or_init(|| {
         let path = folder().join("planned");
-        write(&RunManifest::path(&path), RUN.as_bytes());
+        write(&RunManifest::path(&path), run_seed());
         Run::open(&path).ok()
     });
     let run = run.as_ref().expect("the seed run opens");
@@ -91,9 +129,14 @@ pub fn plan_json(bytes: &[u8]) {
 fn facts() -> &'static RunFacts {
     static FACTS: OnceLock<RunFacts> = OnceLock::new();
     FACTS.get_or_init(|| {
-        let manifest: RunManifest = serde_json::from_str(RUN).expect("the seed run is one");
+        let manifest: RunManifest =
+            serde_json::from_slice(run_seed()).expect("the seed run is one");
         manifest.facts()
     })
+}
+
+fn run_seed() -> &'static [u8] {
+    RUN.get(1..).unwrap_or_default()
 }
 
 fn write(path: &Path, bytes: &[u8]) -> PathBuf {

@@ -72,6 +72,7 @@ fn faults_before_anything_starts() {
         bake("no scene", "missing.pbrt", ""),
         bake("outside", &scene, "light_box = [5, 5, 5, 6, 6, 6]"),
         bake("preset", &scene, "preset = \"best\""),
+        bake("method", &scene, "method = \"guess\""),
     ];
     let file = batch(&place, "", &bakes.concat());
     let words = [
@@ -79,6 +80,7 @@ fn faults_before_anything_starts() {
         "missing.pbrt",
         "outside the scene",
         "\"best\"",
+        "\"guess\": nets, linear-outputs",
     ];
     refused(&["run", &file], &words);
     let file = batch(&place, "colour = 1", &bakes[0]);
@@ -88,6 +90,21 @@ fn faults_before_anything_starts() {
         &["none.toml", "cannot read"],
     );
     assert!(!place.path("runs").exists());
+}
+
+/// A method of the file is that of the command line.
+#[test]
+fn methods() {
+    let place = Place::new();
+    let one = bake("one", &cornell(), "method = \"linear-regression\"");
+    done(&["-q", "run", &batch(&place, "", &one)]);
+    let run = place.name("run");
+    let text = "-q bake --light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 2000 --cells 2 --paths 4";
+    let mut words: Vec<&str> = text.split(' ').collect();
+    let scene = cornell();
+    words.extend(["--method", "linear-regression", &scene, "-o", &run]);
+    done(&words);
+    assert!(bytes_below(&place.path("runs/one-1")) == bytes_below(&place.path("run")));
 }
 
 /// A second run beside the first ends with 1 and touches nothing.

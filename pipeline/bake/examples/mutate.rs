@@ -43,23 +43,15 @@ fn main() {
 }
 
 /// Reads bytes as a user's file is read; whatever it returns is fine, a panic is not.
-type Reader = Box<dyn Fn(&[u8])>;
+type Reader = fn(&[u8]);
 
 fn reader(target: &str) -> Reader {
     match target {
-        "pbrt" | "gltf" | "glb" | "obj" => {
-            let name = format!("scene.{target}");
-            Box::new(move |bytes| readers::scene(&name, bytes))
-        }
-        "tree" | "weights" | "metrics" => {
-            let table = target.to_string();
-            Box::new(move |bytes| readers::model(&table, bytes))
-        }
-        "part" => Box::new(readers::part),
-        "points" => Box::new(readers::points),
-        "tasks" => Box::new(readers::tasks),
-        "run_json" => Box::new(readers::run_json),
-        "plan_json" => Box::new(readers::plan_json),
+        "pbrt" => readers::pbrt,
+        "gltf" => readers::gltf,
+        "parquet" => readers::parquet,
+        "arrow" => readers::arrow,
+        "small" => readers::small,
         other => panic!("no target {other}"),
     }
 }

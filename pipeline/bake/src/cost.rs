@@ -4,8 +4,8 @@
 //! Measured on one core of a 2-core AMD EPYC (AVX-512) with the Cornell box; other scenes and
 //! machines differ by a factor that is the same for all tasks of a stage.
 
-use crate::plan::{DrawPlan, PartPlan};
-use rrf_train::{LADDER, Size, TrainConfig};
+use crate::plan::{DrawPlan, MOST_ROWS, PartPlan};
+use rrf_train::{LADDER, Size, TrainConfig, spill};
 
 /// Seconds a path of extraction.
 const PATH: f64 = 0.6e-6;
@@ -19,6 +19,8 @@ const SOME_WEIGHTS: u64 = 500;
 const DRAWN_ROW: u64 = 600;
 /// Bytes of a row as it is read and trained on.
 const TRAINED_ROW: u64 = 500;
+/// Bytes of a row of a part as it is read: the file, its columns, the table.
+const READ_ROW: u64 = 300;
 /// Bytes that a task needs whatever its rows.
 const BASE: u64 = 24 << 20;
 
@@ -66,4 +68,11 @@ fn weights(inputs: usize, hidden: &[usize]) -> u64 {
 /// Bytes at the most.
 pub(crate) fn train_memory(rows: u64) -> u64 {
     BASE + rows * TRAINED_ROW
+}
+
+/// The same with the rows in a file: a part as it is read, windows of the file, and what stays in
+/// memory of every row.
+pub(crate) fn spilled_memory(rows: u64) -> u64 {
+    let part = rows.min(u64::from(MOST_ROWS)) * READ_ROW;
+    train_memory(rows).min(BASE + part + spill::WINDOWS + rows * spill::HELD_ROW)
 }

@@ -6,18 +6,40 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How many tasks may be in hand at once.
-pub(crate) fn size(todo: &[Task], memory: Option<u64>) -> Result<usize, BakeError> {
+pub(crate) struct Crew {
+    /// Tasks.
+    pub size: usize,
+    /// Bytes that each of them may need; none for no bound.
+    pub share: Option<u64>,
+}
+
+/// The largest crew whose tasks fit into `memory` bytes together. A task that is larger than
+/// all of it counts with the least that it can do with.
+pub(crate) fn crew(todo: &[Task], memory: Option<u64>) -> Result<Crew, BakeError> {
     let threads = rayon::current_num_threads();
-    let largest = todo.iter().map(|task| task.memory).max().unwrap_or(0);
     let Some(memory) = memory else {
-        return Ok(threads);
+        return Ok(Crew {
+            size: threads,
+            share: None,
+        });
     };
+    let need = |task: &Task| match task.memory <= memory {
+        true => task.memory,
+        false => task.least_memory,
+    };
+    let largest = todo.iter().map(need).max().unwrap_or(0);
     match usize::try_from(memory / largest.max(1)) {
         Ok(0) => Err(BakeError::Memory {
             needed: largest,
             memory,
         }),
-        fitting => Ok(fitting.unwrap_or(threads).min(threads)),
+        fitting => {
+            let size = fitting.unwrap_or(threads).min(threads);
+            Ok(Crew {
+                size,
+                share: Some(memory / size.max(1) as u64),
+            })
+        }
     }
 }
 

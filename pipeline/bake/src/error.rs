@@ -92,6 +92,12 @@ pub enum BakeError {
         /// Why.
         why: Halt,
     },
+    /// The run folder is not where it was when the work began.
+    #[error("{path}: the run folder is gone in the middle of the work: its disk was taken away, or it was moved. Bring it back and go on by `rrf bake --resume`", path = path.display())]
+    Gone {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The run has no samples yet.
     #[error("{path}: cell {cell} has no samples. Run `rrf extract` or `rrf bake --resume` first", path = path.display())]
     NotExtracted {
@@ -107,7 +113,10 @@ impl BakeError {
     pub fn is_bad_input(&self) -> bool {
         match self {
             BakeError::Store(error) => error.is_bad_input(),
-            BakeError::Halted { .. } | BakeError::Unfinished { .. } | BakeError::Keep(_) => false,
+            BakeError::Halted { .. }
+            | BakeError::Unfinished { .. }
+            | BakeError::Keep(_)
+            | BakeError::Gone { .. } => false,
             _ => true,
         }
     }

@@ -13,12 +13,15 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod bake;
+mod checkpoint;
 mod commit;
 mod config;
 mod cost;
 mod crew;
 mod decide;
 mod error;
+mod fitting;
+mod job;
 mod judge;
 mod plan;
 mod remedy;
@@ -34,12 +37,13 @@ pub use commit::{commit, missing};
 pub use config::{BakeConfig, Preset};
 pub use decide::{Next, Stop, decide};
 pub use error::BakeError;
+pub use job::{CHAPTER, Job};
 pub use judge::{CellJudgement, Judgement};
 pub use plan::{CellPlan, DrawPlan, PartPlan, RoundPlan};
 pub use rounds::{
     Ended, Standing, finish_round, first_plan, first_tasks, perform_stage, rounds, standing,
 };
 pub use run::{Judged, Run};
-pub use task::{Stage, Task, files_of, is_done, tasks};
+pub use task::{Stage, Task, is_done, tasks};
 pub use watch::{Halt, Watch};
-pub use work::{Site, perform};
+pub use work::{Site, perform, perform_job};

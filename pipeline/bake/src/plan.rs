@@ -117,7 +117,7 @@ impl RoundPlan {
 }
 
 /// Rows of one draw at the most: bounds what a task holds in memory, whatever the run's size.
-const MOST_ROWS: u32 = 1 << 16;
+pub(crate) const MOST_ROWS: u32 = 1 << 16;
 
 /// New draws of `rows` rows together inside a node's box, as parts from number `first` on.
 pub(crate) fn draw_parts(

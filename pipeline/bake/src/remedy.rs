@@ -11,7 +11,7 @@ use crate::cost;
 use crate::judge::CellJudgement;
 use crate::plan::{CellPlan, RoundPlan};
 use crate::run::Run;
-use crate::work::read_cell;
+use crate::work::read_some;
 use crate::{error::BakeError, task::fit_config};
 use rrf_store::samples::SampleTable;
 use rrf_train::quadratic::{Cut, best_cut};
@@ -69,14 +69,13 @@ pub(crate) fn best_remedy(
     may_split: bool,
 ) -> Result<Option<Remedy>, BakeError> {
     let config = &run.config;
-    let table = read_cell(run, cell)?;
-    let rows = table.len() as u32;
+    let (table, rows) = read_some(run, cell)?;
     let fit = judged
         .train_square_error
         .clamp(0.0, judged.square_error.max(0.0));
     let gap = judged.square_error - fit;
     let paths = paths(config, plan, cell, judged);
-    let train = fit_config(run, plan, cell);
+    let train = fit_config(run, plan.mean_luminance, cell);
     let fit_seconds = |size: &Size, rows| cost::train_seconds(rows, size, &train);
     let drawn_seconds = cost::draw_seconds(rows, paths);
     let twice = fit_seconds(&cell.size, 2 * u64::from(rows));

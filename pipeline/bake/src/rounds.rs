@@ -107,13 +107,13 @@ pub fn perform_stage(
     // the long ones first, so that no thread is left alone with one at the end
     todo.sort_by(|a, b| b.seconds.total_cmp(&a.seconds).then(a.cell.cmp(&b.cell)));
     let weight = |task: &Task| (task.seconds * 1000.0) as u64 + 1;
-    let crew = crew::size(&todo, watch.memory())?;
+    let crew = crew::crew(&todo, watch.memory())?;
     watch.begin(stage, plan.round, todo.iter().map(weight).sum());
-    let done = crew::work(crew, &todo, |task| {
+    let done = crew::work(crew.size, &todo, |task| {
         if let Some(why) = watch.halted() {
             return Err(BakeError::Halted { why });
         }
-        perform(run, plan, site, task)?;
+        perform(run, plan, site, task, crew.share)?;
         watch.keep().map_err(BakeError::Keep)?;
         watch.advance(weight(task));
         Ok(())
@@ -124,6 +124,10 @@ pub fn perform_stage(
 
 /// Commits a round whose tasks are done and writes down what comes next.
 pub fn finish_round(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
+    run.unless_gone(finish(run, plan))
+}
+
+fn finish(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
     let judgement = commit(run, plan)?;
     let next = decide(run, plan, &judgement)?;
     if let Next::Round(next) = &next {

@@ -4,14 +4,15 @@ use crate::commit::places;
 use crate::config::BakeConfig;
 use crate::decide::Stop;
 use crate::error::BakeError;
+use crate::job::Chapter;
 use crate::judge::Judgement;
 use crate::plan::RoundPlan;
-use crate::task::task_rows;
+use crate::task::{chapters, task_rows};
 use rrf_extract::ExtractError;
 use rrf_scene::Scene;
 use rrf_store::StoreError;
 use rrf_store::atomic::{atomic_write, create_folder};
-use rrf_store::layout::{model_folder, round_folder, task_table_path};
+use rrf_store::layout::{chapter_path, model_folder, round_folder, task_table_path};
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
 use rrf_store::parts::remove_part;
 use rrf_store::task_table::write_tasks;
@@ -159,8 +160,21 @@ impl Run {
     pub fn write_plan(&self, plan: &RoundPlan) -> Result<(), BakeError> {
         let path = task_table_path(&self.folder, plan.round);
         create_folder(&round_folder(&self.folder, plan.round))?;
-        write_tasks(&path, &task_rows(self, plan)?, &self.facts())?;
+        let chapters = chapters(self, plan)?;
+        for (number, chapter) in (0u32..).zip(&chapters) {
+            write_new_json(&chapter_path(&self.folder, plan.round, number), chapter)?;
+        }
+        write_tasks(&path, &task_rows(&chapters), &self.facts())?;
         write_json(&self.round_file(plan.round, "plan.json"), plan)
+    }
+
+    /// Some of a round's tasks with what they need, or none where the file is not there.
+    pub(crate) fn read_chapter(
+        &self,
+        round: u32,
+        number: u32,
+    ) -> Result<Option<Chapter>, BakeError> {
+        read_json(&chapter_path(&self.folder, round, number))
     }
 
     /// How a round was judged, or none where it has not been committed.
@@ -171,6 +185,17 @@ impl Run {
     /// Marks a round as committed.
     pub fn write_judged(&self, judged: &Judged) -> Result<(), BakeError> {
         write_json(&self.round_file(judged.round, "judged.json"), judged)
+    }
+
+    /// The result of some work, unless the folder has gone meanwhile: what was written then went
+    /// elsewhere, and what was not found says nothing.
+    pub(crate) fn unless_gone<T>(&self, result: Result<T, BakeError>) -> Result<T, BakeError> {
+        match RunManifest::path(&self.folder).exists() {
+            true => result,
+            false => Err(BakeError::Gone {
+                path: self.folder.clone(),
+            }),
+        }
     }
 
     /// Whether all tables of a model are there.
@@ -230,6 +255,7 @@ fn retire_plans(folder: &Path) -> Result<(), BakeError> {
         for name in ["judged.json", "tasks.parquet", "plan.json"] {
             remove_file(&round_folder(folder, round).join(name))?;
         }
+        remove_folder(&round_folder(folder, round).join("tasks"))?;
     }
     Ok(())
 }
@@ -273,6 +299,19 @@ fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Option<T>, B
 fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BakeError> {
     let mut text = serde_json::to_vec(value).map_err(|error| corrupt(path, error.to_string()))?;
     text.push(b'\n');
+    if let Some(folder) = path.parent() {
+        create_folder(folder)?;
+    }
+    Ok(atomic_write(path, &text)?)
+}
+
+/// [`write_json`] where the file is not there with these bytes already.
+fn write_new_json(path: &Path, value: &impl Serialize) -> Result<(), BakeError> {
+    let mut text = serde_json::to_vec(value).map_err(|error| corrupt(path, error.to_string()))?;
+    text.push(b'\n');
+    if std::fs::read(path).is_ok_and(|found| found == text) {
+        return Ok(());
+    }
     if let Some(folder) = path.parent() {
         create_folder(folder)?;
     }

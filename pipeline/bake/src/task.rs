@@ -6,17 +6,17 @@
 
 use crate::cost;
 use crate::error::BakeError;
+use crate::job::{Boxes, CHAPTER, Chapter, Entry, OfCell, Shared};
 use crate::plan::{CellPlan, DrawPlan, PartPlan, RoundPlan};
 use crate::run::Run;
-use rrf_field::tree::{Domain, Tree};
 use rrf_store::layout::fit_folder;
 use rrf_store::task_table::TaskRow;
 use rrf_store::{model, parts};
 use rrf_train::TrainConfig;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Stage of a task; the tasks of one stage do not wait for each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stage {
     /// Draws a part's rows, or takes them from a part of the round before.
@@ -36,7 +36,7 @@ impl Stage {
 }
 
 /// One task of a round.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Task {
     /// What it does.
     pub stage: Stage,
@@ -52,6 +52,8 @@ pub struct Task {
     pub seconds: f64,
     /// Bytes of memory that it should need at the most.
     pub memory: u64,
+    /// Bytes that it can do with: a fit may keep its rows in a file.
+    pub least_memory: u64,
 }
 
 /// Program version: another one may compute other bits.
@@ -60,80 +62,82 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// All tasks of a round, extractions first, by cell and part. Those whose output stays from an
 /// earlier round are among them, and done, unless it was lost.
 pub fn tasks(run: &Run, plan: &RoundPlan) -> Result<Vec<Task>, BakeError> {
+    Ok(entries(run, plan)?.into_iter().map(|e| e.task).collect())
+}
+
+/// The same with what each of them needs.
+fn entries(run: &Run, plan: &RoundPlan) -> Result<Vec<Entry>, BakeError> {
     let (mut extract, mut train) = (Vec::new(), Vec::new());
-    let boxes = Boxes::new(&plan.tree);
+    let (boxes, shared) = (Boxes::new(&plan.tree), Shared::of(plan));
     let rows = expected_rows(plan);
     for cell in &plan.cells {
-        let hashes = cell
-            .parts
-            .iter()
-            .map(|part| part_hash(run, plan, &boxes, cell, part))
-            .collect::<Result<Vec<String>, _>>()?;
-        for (part, hash) in cell.parts.iter().zip(&hashes) {
-            let draw = draw(plan, part)?;
-            extract.push(Task {
+        let of_cell = boxes.of_cell(plan, cell)?;
+        let (hashes, fit) = cell_hashes(run, &shared, &of_cell)?;
+        for (part, hash) in cell.parts.iter().zip(hashes) {
+            let (draw, _) = of_cell.draw(plan.round, part)?;
+            let task = Task {
                 stage: Stage::Extract,
                 round: plan.round,
                 cell: cell.cell,
                 part: Some(part.part),
-                hash: hash.clone(),
+                hash,
                 seconds: cost::extract_seconds(part, draw),
                 memory: cost::extract_memory(draw),
-            });
+                least_memory: cost::extract_memory(draw),
+            };
+            let of_cell = of_cell.clone();
+            extract.push(Entry { task, of_cell });
         }
         let rows = rows.get(cell.cell as usize).copied().unwrap_or(0);
-        train.push(Task {
+        let task = Task {
             stage: Stage::Train,
             round: cell.fitted,
             cell: cell.cell,
             part: None,
-            hash: fit_hash(run, plan, cell, &hashes)?,
+            hash: fit,
             seconds: cost::train_seconds(rows, &cell.size, &run.config.train),
             memory: cost::train_memory(rows),
-        });
+            least_memory: cost::spilled_memory(rows),
+        };
+        train.push(Entry { task, of_cell });
     }
     extract.append(&mut train);
     Ok(extract)
 }
 
+/// The tasks with what they need, in files that can be read alone.
+pub(crate) fn chapters(run: &Run, plan: &RoundPlan) -> Result<Vec<Chapter>, BakeError> {
+    let (facts, shared) = (run.facts(), Shared::of(plan));
+    let entries = entries(run, plan)?;
+    let chapters = (0u32..).step_by(CHAPTER).zip(entries.chunks(CHAPTER));
+    let chapter = |(first, of): (u32, &[Entry])| Chapter {
+        scene_hash: facts.scene_hash.clone(),
+        seed: facts.seed,
+        tasks: entries.len() as u32,
+        shared: shared.clone(),
+        first,
+        entries: of.to_vec(),
+    };
+    Ok(chapters.map(chapter).collect())
+}
+
 /// The tasks as schedulers read them.
-pub(crate) fn task_rows(run: &Run, plan: &RoundPlan) -> Result<Vec<TaskRow>, BakeError> {
-    let row = |(id, task): (u32, Task)| TaskRow {
+pub(crate) fn task_rows(chapters: &[Chapter]) -> Vec<TaskRow> {
+    let row = |(id, task): (u32, &Task)| TaskRow {
         task_id: id,
         stage: task.stage.name().into(),
         round: task.round,
         cell_id: task.cell,
         part: task.part,
-        input_hash: task.hash,
+        input_hash: task.hash.clone(),
         seconds: task.seconds,
         memory: task.memory,
     };
-    Ok((0u32..).zip(tasks(run, plan)?).map(row).collect())
-}
-
-/// Beginnings of the names of the files that a task reads and writes, relative to the run: what a
-/// worker on another machine needs.
-pub fn files_of(plan: &RoundPlan, task: &Task) -> Vec<String> {
-    let id = task.cell;
-    let mut files = vec![format!("samples/cell={id:06}/")];
-    match task.stage {
-        Stage::Train => {
-            let earlier = plan.cells.get(id as usize).and_then(|cell| cell.earlier);
-            let fits = std::iter::once([task.round, id]).chain(earlier);
-            files.extend(
-                fits.map(|[round, cell]| format!("rounds/{round:03}/fits/cell={cell:06}/")),
-            );
-        }
-        Stage::Extract => {
-            let cell = plan.cells.get(id as usize);
-            let parts = cell.into_iter().flat_map(|cell| &cell.parts);
-            let from = parts
-                .filter(|p| Some(p.part) == task.part)
-                .filter_map(|p| p.from);
-            files.extend(from.map(|[cell, _]| format!("samples/cell={cell:06}/")));
-        }
-    }
-    files
+    let entries = chapters.iter().flat_map(|chapter| &chapter.entries);
+    (0u32..)
+        .zip(entries.map(|entry| &entry.task))
+        .map(row)
+        .collect()
 }
 
 /// Whether a task's output is there.
@@ -147,15 +151,6 @@ pub fn is_done(run: &Run, task: &Task) -> Result<bool, BakeError> {
         _ => model::fit_task(&fit_folder(&run.folder, task.round, task.cell), &facts)?,
     };
     Ok(found.as_deref() == Some(task.hash.as_str()))
-}
-
-pub(crate) fn draw<'a>(plan: &'a RoundPlan, part: &PartPlan) -> Result<&'a DrawPlan, BakeError> {
-    plan.draws
-        .get(part.draw as usize)
-        .ok_or_else(|| BakeError::Plan {
-            round: plan.round,
-            reason: format!("draw {} is missing", part.draw),
-        })
 }
 
 /// Rows that each cell should have: its share, by measure, of the draws that it has part in.
@@ -179,30 +174,6 @@ pub(crate) fn expected_rows(plan: &RoundPlan) -> Vec<u64> {
     plan.cells.iter().map(|cell| rows(cell) as u64).collect()
 }
 
-/// Boxes of nodes, and the leaf of each cell.
-struct Boxes {
-    nodes: Vec<Domain>,
-    leaves: Vec<usize>,
-}
-
-impl Boxes {
-    fn new(tree: &Tree) -> Boxes {
-        Boxes {
-            nodes: tree.node_domains(),
-            leaves: tree.leaves(),
-        }
-    }
-
-    /// The bounds of a node, as bits: infinite ones have no JSON.
-    fn bits(&self, node: usize) -> Vec<u32> {
-        let bounds = self
-            .nodes
-            .get(node)
-            .map(|d| d.minimum.iter().chain(&d.maximum));
-        bounds.into_iter().flatten().map(|x| x.to_bits()).collect()
-    }
-}
-
 #[derive(Serialize)]
 struct PartInput<'a> {
     version: &'static str,
@@ -215,15 +186,27 @@ struct PartInput<'a> {
     boxes: [Vec<u32>; 2],
 }
 
+/// Hashes of a cell's parts and of its fit.
+pub(crate) fn cell_hashes(
+    run: &Run,
+    shared: &Shared,
+    cell: &OfCell,
+) -> Result<(Vec<String>, String), BakeError> {
+    let parts = cell.plan.parts.iter();
+    let parts = parts
+        .map(|part| part_hash(run, shared, cell, part))
+        .collect::<Result<Vec<String>, _>>()?;
+    let fit = fit_hash(run, shared, &cell.plan, &parts)?;
+    Ok((parts, fit))
+}
+
 fn part_hash(
     run: &Run,
-    plan: &RoundPlan,
-    boxes: &Boxes,
-    cell: &CellPlan,
+    shared: &Shared,
+    cell: &OfCell,
     part: &PartPlan,
 ) -> Result<String, BakeError> {
-    let draw = draw(plan, part)?;
-    let leaf = boxes.leaves.get(cell.cell as usize).copied();
+    let (draw, bounds) = cell.draw(shared.round, part)?;
     let input = PartInput {
         version: VERSION,
         scene: &run.manifest.scene_hash,
@@ -231,9 +214,9 @@ fn part_hash(
         light_box: run.manifest.light_box,
         stream: part.draw,
         draw,
-        boxes: [leaf.unwrap_or(0), draw.node as usize].map(|node| boxes.bits(node)),
+        boxes: [cell.leaf.bits(), bounds.bits()],
     };
-    hash(plan.round, &input)
+    hash(shared.round, &input)
 }
 
 #[derive(Serialize)]
@@ -249,7 +232,7 @@ struct FitInput<'a> {
 
 fn fit_hash(
     run: &Run,
-    plan: &RoundPlan,
+    shared: &Shared,
     cell: &CellPlan,
     parts: &[String],
 ) -> Result<String, BakeError> {
@@ -259,16 +242,16 @@ fn fit_hash(
         round: cell.fitted,
         earlier: cell.earlier,
         parts,
-        config: fit_config(run, plan, cell),
-        lambert: &plan.lambert,
+        config: fit_config(run, shared.mean_luminance, cell),
+        lambert: &shared.lambert,
     };
-    hash(plan.round, &input)
+    hash(shared.round, &input)
 }
 
 /// The trainer's settings for one cell.
-pub(crate) fn fit_config(run: &Run, plan: &RoundPlan, cell: &CellPlan) -> TrainConfig {
+pub(crate) fn fit_config(run: &Run, mean_luminance: f32, cell: &CellPlan) -> TrainConfig {
     TrainConfig {
-        mean_luminance: Some(plan.mean_luminance),
+        mean_luminance: Some(mean_luminance),
         size: cell.size.clone(),
         ..run.config.train.clone()
     }

@@ -4,6 +4,7 @@ use crate::args::{BakeSettings, LightUnits, Method, Preset, RunArgs, SceneOption
 use crate::bake::config;
 use crate::failure::{BadInput, exit_code, message};
 use crate::progress::Bars;
+use clap::ValueEnum;
 use rrf_bake::{BakeConfig, Run, Site};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
@@ -45,6 +46,7 @@ struct Settings {
     target: Option<f32>,
     seeds: Option<Vec<u64>>,
     preset: Option<String>,
+    method: Option<String>,
     rows: Option<u32>,
     paths: Option<u32>,
     cells: Option<u32>,
@@ -201,6 +203,13 @@ fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettin
             )));
         }
     };
+    let method = match own.method.as_deref().or(defaults.method.as_deref()) {
+        None => Method::Nets,
+        Some(name) => Method::from_str(name, false).map_err(|_| {
+            let known = "nets, linear-outputs, linear-regression or global-net";
+            BadInput(format!("method {name:?}: {known}"))
+        })?,
+    };
     let target = own.target.or(defaults.target).unwrap_or(0.05);
     let default_albedo = own
         .default_albedo
@@ -223,7 +232,7 @@ fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettin
         cells: own.cells.or(defaults.cells),
         rounds: own.rounds.or(defaults.rounds),
         most_cells: own.most_cells.or(defaults.most_cells),
-        method: Method::Nets,
+        method,
         hidden: None,
         inputs: None,
         scene_options: SceneOptions {

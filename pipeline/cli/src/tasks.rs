@@ -5,7 +5,7 @@ use crate::bake::{config, print_judgement};
 use crate::failure::BadInput;
 use crate::place::Place;
 use crate::scene;
-use rrf_bake::{BakeError, Next, RoundPlan, Run, Site, Stage, Task};
+use rrf_bake::{BakeError, CHAPTER, Job, Next, RoundPlan, Run, Site, Stage, Task};
 use rrf_remote::is_url;
 use rrf_store::layout::task_table_path;
 use rrf_store::task_table::{TaskRow, read_tasks};
@@ -87,43 +87,25 @@ fn summary(plan: &RoundPlan, path: &Path, listed: &[&TaskRow]) -> serde_json::Va
 /// Does one task of a plan, or finds that it is done.
 pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
     let (run_path, round) = run_and_round(&args.plan)?;
-    let tables = format!("rounds/{round:03}/");
-    let planned = |name: &str| {
-        name == "run.json"
-            || name
-                .strip_prefix(&tables)
-                .is_some_and(|file| !file.contains('/'))
-    };
-    let place = Place::task(&run_path)?;
-    place.pull(planned)?;
-    let run = Run::open(place.folder())?;
     let index = index(args)?;
-    let listed = read_tasks(&task_table_path(&run.folder, round), &run.facts())?;
-    let row = listed.get(index as usize).ok_or_else(|| {
+    let own = format!(
+        "rounds/{round:03}/tasks/{:05}.json",
+        index as usize / CHAPTER
+    );
+    let first = format!("rounds/{round:03}/tasks/00000.json");
+    let place = Place::task(&run_path)?;
+    place.pull(|name| name == "run.json" || name == own || name == first)?;
+    let run = Run::open(place.folder())?;
+    let job = Job::read(&run, round, index)?.ok_or_else(|| {
         BadInput(format!(
-            "{}: task {index}: the plan has tasks 0 to {}",
-            args.plan.display(),
-            listed.len().saturating_sub(1)
+            "{}: task {index}: the plan has fewer tasks",
+            args.plan.display()
         ))
     })?;
-    let plan = run.read_plan(round)?.ok_or_else(|| BakeError::Plan {
-        round,
-        reason: "plan.json is missing".into(),
-    })?;
-    let task = rrf_bake::tasks(&run, &plan)?
-        .into_iter()
-        .nth(index as usize)
-        .filter(|task| task.hash == row.input_hash)
-        .ok_or_else(|| {
-            BadInput(format!(
-                "{}: task {index} is not one of this run any more. Write the plan anew with `rrf plan RUN`",
-                args.plan.display()
-            ))
-        })?;
-    let needed = rrf_bake::files_of(&plan, &task);
+    let (needed, task) = (job.files(), &job.task);
     place.pull(|name| needed.iter().any(|start| name.starts_with(start)))?;
-    if rrf_bake::is_done(&run, &task)? {
-        println!("{}: done already", describe(&task));
+    if rrf_bake::is_done(&run, task)? {
+        println!("{}: done already", describe(task));
         return Ok(());
     }
     match task.stage {
@@ -131,9 +113,9 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
             let scene = run.load_scene()?.unlit();
             let tracer = Tracer::new(&scene)?;
             let site = Site::new(&scene, &tracer);
-            rrf_bake::perform(&run, &plan, Some(&site), &task)?;
+            rrf_bake::perform_job(&run, &job, Some(&site), args.memory)?;
         }
-        Stage::Train => match rrf_bake::perform(&run, &plan, None, &task) {
+        Stage::Train => match rrf_bake::perform_job(&run, &job, None, args.memory) {
             // not this task's fault: it can succeed later
             Err(error @ BakeError::NotExtracted { .. }) => {
                 anyhow::bail!("task {index} waits for an extraction: {error}")
@@ -142,7 +124,7 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
         },
     }
     place.push()?;
-    println!("{}: done", describe(&task));
+    println!("{}: done", describe(task));
     Ok(())
 }
 

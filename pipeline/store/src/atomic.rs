@@ -70,6 +70,18 @@ pub fn create_folder(path: &Path) -> Result<(), StoreError> {
     }
 }
 
+/// An empty file to write and read, without a name where the system allows that: it goes when it
+/// is closed, whatever ends the process. Elsewhere [`crate::layout::remove_unfinished`] removes it.
+///
+/// # Errors
+/// [`StoreError::Io`].
+pub fn scratch_file(folder: &Path, name: &str) -> Result<File, StoreError> {
+    let (file, path) = create_temporary(folder, name)?;
+    // Refused where open files keep their names; it is then a left-over like any other.
+    let _ = fs::remove_file(&path);
+    Ok(file)
+}
+
 fn write_in_place(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     OpenOptions::new()
         .write(true)
@@ -84,7 +96,8 @@ fn create_temporary(folder: &Path, name: &str) -> Result<(File, PathBuf), StoreE
     let mut last = None;
     for n in 0..1000 {
         let path = folder.join(format!("{name}.{n}.tmp"));
-        match OpenOptions::new().write(true).create_new(true).open(&path) {
+        let mut options = OpenOptions::new();
+        match options.read(true).write(true).create_new(true).open(&path) {
             Ok(file) => return Ok((file, path)),
             Err(e) if e.kind() == ErrorKind::AlreadyExists => last = Some((path, e)),
             Err(e) => return Err(io_error(&path, "create", e)),

@@ -42,6 +42,11 @@ pub fn task_table_path(run: &Path, round: u32) -> PathBuf {
     round_folder(run, round).join("tasks.parquet")
 }
 
+/// Some of a round's tasks with all that they need.
+pub fn chapter_path(run: &Path, round: u32, number: u32) -> PathBuf {
+    round_folder(run, round).join(format!("tasks/{number:05}.json"))
+}
+
 /// One cell's fit of one round.
 pub fn fit_folder(run: &Path, round: u32, cell: u32) -> PathBuf {
     round_folder(run, round).join(format!("fits/cell={cell:06}"))

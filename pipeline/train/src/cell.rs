@@ -1,12 +1,15 @@
 //! A cell made ready for training: rows split, scaled, and put in a random order.
 
+use crate::checkpoint::{Journal, Keeper};
+use crate::chunk::Chunk;
 use crate::config::{Mode, TrainConfig};
 use crate::error::TrainError;
 use crate::fit::FitReport;
 use crate::lm::Stop;
-use crate::prepare::{self, Input, Noise, OutputScale, Samples};
+use crate::ordered::{Order, Ordered, Uses};
+use crate::prepare::{self, Noise, Samples};
 use crate::problem::Loss;
-use crate::rows::MemoryRows;
+use crate::rows::{CellRows, TakenColumn, Units};
 use crate::warm;
 use rrf_field::columns::Columns;
 use rrf_field::model::{self, CellModel};
@@ -15,51 +18,75 @@ use rrf_field::rng::{Stage, Stream};
 
 /// Rows split, scaled and ready for nets of any shape.
 pub(crate) struct Cell<'a> {
-    pub samples: Samples<'a>,
     pub config: &'a TrainConfig,
+    /// Raw rows: training rows, then validation rows.
+    pub raw: Ordered<'a>,
+    /// Rows that came in.
+    pub rows: usize,
     /// First weights and the order of rows.
     pub stream: Stream,
-    pub inputs: Vec<Input>,
-    pub output: OutputScale,
+    pub units: Units,
     pub loss: Loss,
     pub noise: Noise,
     /// ε, radiance.
     pub floor: f64,
     /// Rows in random order, so that any leading part stands for the whole.
-    pub train_ids: Vec<u32>,
-    pub validation_ids: Vec<u32>,
-    pub train: MemoryRows,
-    pub validation: MemoryRows,
+    pub train: CellRows<'a>,
+    pub validation: CellRows<'a>,
     pub report: FitReport,
     /// A net to go on from.
     pub earlier: Option<&'a CellModel>,
+    /// The legs of its fit.
+    pub journal: Journal<'a>,
 }
 
-impl<'a> Cell<'a> {
-    pub fn new(
-        cell: u32,
-        samples: Samples<'a>,
-        config: &'a TrainConfig,
-    ) -> Result<Cell<'a>, TrainError> {
-        samples.check()?;
+/// What is known of a cell before its rows are.
+pub(crate) struct Prospect<'a> {
+    config: &'a TrainConfig,
+    stream: Stream,
+    ids: Vec<u8>,
+    /// Inputs that cannot matter.
+    dropped: Vec<u8>,
+}
+
+impl<'a> Prospect<'a> {
+    pub fn new(cell: u32, config: &'a TrainConfig) -> Result<Prospect<'a>, TrainError> {
         config.check()?;
-        let divide = config.divide_base;
-        let stream = Stream::new(config.seed, Stage::Train, cell);
-        let (ids, mut dropped_inputs) = prepare::choose_inputs(config)?;
-        let mut inputs = prepare::compute_inputs(&ids, samples.rows);
-        let quarantined = prepare::quarantine(&samples, &inputs, divide);
-        let shuffle = (config.mode == Mode::Local).then_some(&stream);
-        let (train_ids, validation_ids) = split(&samples, &quarantined, shuffle);
-        dropped_inputs.extend(prepare::scale_inputs(&mut inputs, &train_ids));
-        let floor = floor(&samples, &train_ids, &validation_ids, config);
-        let ids = if train_ids.is_empty() {
-            &validation_ids
-        } else {
-            &train_ids
+        let (ids, dropped) = prepare::choose_inputs(config)?;
+        Ok(Prospect {
+            config,
+            stream: Stream::new(config.seed, Stage::Train, cell),
+            ids,
+            dropped,
+        })
+    }
+
+    /// Before the first row.
+    pub fn order(&self) -> Order {
+        Order::new((self.config.mode == Mode::Local).then(|| self.stream.clone()))
+    }
+
+    /// The cell's next rows.
+    pub fn add(&self, samples: &Samples, order: &mut Order) {
+        order.add(samples, &self.ids, self.config.divide_base);
+    }
+
+    /// The cell, its rows in order.
+    pub fn cell(self, raw: Ordered<'a>, uses: Uses) -> Cell<'a> {
+        let config = self.config;
+        let divide_base = config.divide_base;
+        let (train, all) = (uses.train.len(), uses.train.len() + uses.validation.len());
+        let (inputs, unvaried) = prepare::scale_inputs(&self.ids, &raw, 0..train);
+        let floor = floor(&raw, all, config);
+        let judged = if train == 0 { 0..all } else { 0..train };
+        let output =
+            prepare::scale_outputs(&raw, judged.clone(), floor, divide_base, config.exponential);
+        let units = Units {
+            inputs,
+            output,
+            divide_base,
         };
-        let output = prepare::scale_outputs(&samples, ids, floor, divide, config.exponential);
-        let memory = |ids: &[u32]| MemoryRows::new(&samples, ids, &inputs, &output, divide);
-        let noise = prepare::noise(&samples, ids, floor);
+        let noise = prepare::noise(&raw, judged, floor);
         let loss = if config.relative {
             Loss::Relative {
                 floor,
@@ -68,33 +95,60 @@ impl<'a> Cell<'a> {
         } else {
             Loss::Absolute
         };
-        Ok(Cell {
-            train: memory(&train_ids),
-            validation: memory(&validation_ids),
+        Cell {
+            train: CellRows::new(&raw, 0..train, &units),
+            validation: CellRows::new(&raw, train..all, &units),
+            rows: uses.rows,
             loss,
             noise,
-            stream,
+            stream: self.stream,
             report: FitReport {
-                quarantined,
-                dropped_inputs,
+                quarantined: uses.quarantined,
+                dropped_inputs: [self.dropped, unvaried].concat(),
                 ..FitReport::default()
             },
             earlier: None,
-            samples,
             config,
-            inputs,
-            output,
+            raw,
+            units,
             floor,
-            train_ids,
-            validation_ids,
-        })
+            journal: Journal::default(),
+        }
+    }
+}
+
+impl<'a> Cell<'a> {
+    /// Of rows in memory.
+    pub fn new(
+        cell: u32,
+        samples: Samples<'a>,
+        config: &'a TrainConfig,
+    ) -> Result<Cell<'a>, TrainError> {
+        samples.check()?;
+        let prospect = Prospect::new(cell, config)?;
+        let mut order = prospect.order();
+        prospect.add(&samples, &mut order);
+        let uses = order.finish();
+        let raw = Ordered::Held(Chunk::gathered(&samples, uses.in_order()));
+        Ok(prospect.cell(raw, uses))
+    }
+
+    /// The same with a net to go on from and someone who keeps the state of its fit.
+    pub fn kept(
+        mut self,
+        earlier: Option<&'a CellModel>,
+        keeper: Option<&'a dyn Keeper>,
+    ) -> Cell<'a> {
+        self.earlier = earlier;
+        self.journal = Journal::new(keeper);
+        self
     }
 
     /// Why no net is needed, if so.
     pub fn trivial(&self) -> Option<Stop> {
-        if self.train_ids.is_empty() {
+        if self.train.len() == 0 {
             Some(Stop::NoRows)
-        } else if self.output.constant || self.inputs.is_empty() {
+        } else if self.units.output.constant || self.units.inputs.is_empty() {
             Some(Stop::Constant)
         } else {
             None
@@ -103,35 +157,33 @@ impl<'a> Cell<'a> {
 
     /// Leaves a cell that only a constant can be fitted to.
     pub fn without_inputs(mut self) -> Cell<'a> {
-        self.inputs.clear();
-        let divide = self.config.divide_base;
-        let memory = |ids: &[u32]| MemoryRows::new(&self.samples, ids, &[], &self.output, divide);
-        (self.train, self.validation) = (memory(&self.train_ids), memory(&self.validation_ids));
+        self.units.inputs.clear();
+        let (train, all) = (self.train.len(), self.train.len() + self.validation.len());
+        self.train = CellRows::new(&self.raw, 0..train, &self.units);
+        self.validation = CellRows::new(&self.raw, train..all, &self.units);
         self
     }
 
     /// Takes an input out of all rows.
     pub fn take_input(&mut self, place: usize) -> TakenInput {
         TakenInput {
-            input: self.inputs.remove(place),
-            columns: [&mut self.train, &mut self.validation].map(|rows| rows.x.remove(place)),
+            input: self.units.inputs.remove(place),
+            columns: [&mut self.train, &mut self.validation].map(|rows| rows.take_input(place)),
         }
     }
 
     /// Puts it back.
     pub fn put_input(&mut self, place: usize, taken: TakenInput) {
-        self.inputs.insert(place, taken.input);
-        for (rows, column) in [&mut self.train, &mut self.validation]
-            .into_iter()
-            .zip(taken.columns)
-        {
-            rows.x.insert(place, column);
+        self.units.inputs.insert(place, taken.input);
+        let rows = [&mut self.train, &mut self.validation];
+        for (rows, column) in rows.into_iter().zip(taken.columns) {
+            rows.put_input(place, column);
         }
     }
 
     /// The shape with these hidden layers.
     pub fn shape(&self, hidden: &[usize]) -> Shape {
-        let mut sizes = vec![self.inputs.len()];
+        let mut sizes = vec![self.units.inputs.len()];
         sizes.extend(hidden);
         sizes.push(crate::tile::CHANNELS);
         Shape { sizes }
@@ -140,27 +192,29 @@ impl<'a> Cell<'a> {
     /// First weights of a net of `shape` that goes on from the earlier one, if there is one
     /// that it can go on from.
     pub fn earlier_weights(&self, shape: &Shape) -> Option<Vec<f64>> {
-        let row = *self.train_ids.first()? as usize;
+        let earlier = self.earlier?;
+        let first = self.raw.show(0, 1, |chunk, at| chunk.columns.row(at));
         let value = |id: u8| {
             let mut one = Columns::default();
-            one.push(self.samples.rows.row(row));
+            one.push(first);
             let mut values = Vec::new();
             model::fill(id, &one, &mut values);
             values.first().copied().unwrap_or(f32::NAN)
         };
         let frame = warm::Frame {
             inputs: self
+                .units
                 .inputs
                 .iter()
                 .map(|i| (i.id, i.offset, i.scale))
                 .collect(),
-            scale: self.output.scale,
-            offset: self.output.offset,
+            scale: self.units.output.scale,
+            offset: self.units.output.offset,
             divide_base: self.config.divide_base,
             exponential: self.config.exponential,
             value: &value,
         };
-        warm::weights(self.earlier?, &frame, shape, &self.first_weights(shape, 0))
+        warm::weights(earlier, &frame, shape, &self.first_weights(shape, 0))
     }
 
     /// First weights: uniform with variance 1 / inputs (LeCun et al. 1998), biases uniform in
@@ -182,8 +236,8 @@ impl<'a> Cell<'a> {
 
 /// An input taken out of a cell.
 pub(crate) struct TakenInput {
-    input: Input,
-    columns: [Vec<f32>; 2],
+    input: prepare::Input,
+    columns: [TakenColumn; 2],
 }
 
 impl TakenInput {
@@ -193,34 +247,14 @@ impl TakenInput {
     }
 }
 
-/// Index of the stream that rows are ordered by; starts of nets count from 0.
-const ORDER: u64 = 1 << 63;
-
-/// Training and validation rows, each as they come in or, with a stream, in an order that is
-/// random but depends on nothing except (seed, cell, row).
-fn split(samples: &Samples, quarantined: &[u32], shuffle: Option<&Stream>) -> (Vec<u32>, Vec<u32>) {
-    let key = |row: u32| shuffle.map_or(0, |s| s.block(ORDER | u64::from(row), 0)[0]);
-    let mut usable = vec![true; samples.rows.len()];
-    for &row in quarantined {
-        usable[row as usize] = false;
-    }
-    let mut order: Vec<(u32, u32)> = (0..samples.rows.len() as u32)
-        .filter(|&row| usable[row as usize])
-        .map(|row| (key(row), row))
-        .collect();
-    order.sort_unstable();
-    let rows = order.into_iter().map(|(_, row)| row);
-    rows.partition(|&row| !samples.validation[row as usize])
-}
-
 /// ε in radiance.
-fn floor(samples: &Samples, train: &[u32], validation: &[u32], config: &TrainConfig) -> f64 {
-    let rows = || train.iter().chain(validation);
+fn floor(raw: &Ordered, rows: usize, config: &TrainConfig) -> f64 {
     let own = || {
-        let sum: f64 = rows()
-            .map(|&r| prepare::luminance(samples.mean(r as usize)))
-            .sum();
-        sum / rows().count().max(1) as f64
+        let mut sum = 0.0;
+        raw.each(0..rows, |chunk, rows| {
+            rows.for_each(|row| sum += prepare::luminance(chunk.mean(row)));
+        });
+        sum / rows.max(1) as f64
     };
     let mean = config.mean_luminance.map_or_else(own, f64::from);
     // Black cells: any positive number, the errors are then absolute.

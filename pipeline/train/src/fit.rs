@@ -1,6 +1,7 @@
 //! One cell's samples in, one cell's model out.
 
 use crate::cell::Cell;
+use crate::checkpoint::Keeper;
 use crate::config::{Batches, Mode, Size, TrainConfig};
 use crate::error::TrainError;
 use crate::halves::ErrorEstimate;
@@ -103,33 +104,36 @@ pub fn fit_cell(
     validation: &[bool],
     config: &TrainConfig,
 ) -> Result<CellFit, TrainError> {
-    fit_cell_from(None, cell, rows, halves, validation, config)
-}
-
-/// [`fit_cell`] that goes on from an earlier net, of a cell around this one or of fewer rows, where
-/// the two are of one kind and the earlier one is no larger; otherwise from random weights.
-pub fn fit_cell_from(
-    earlier: Option<&CellModel>,
-    cell: u32,
-    rows: &Columns,
-    halves: [&[[f32; 3]]; 2],
-    validation: &[bool],
-    config: &TrainConfig,
-) -> Result<CellFit, TrainError> {
-    let start = Instant::now();
     let samples = Samples {
         rows,
         halves,
         validation,
     };
-    let mut prepared = Cell::new(cell, samples, config)?;
-    prepared.earlier = earlier;
+    fit_kept(cell, samples, config, None, None)
+}
+
+/// [`fit_cell`] that goes on from an earlier net, of a cell around this one or of fewer rows, where
+/// the two are of one kind and the earlier one is no larger, otherwise from random weights; and with
+/// someone who keeps its state: a fit that was cut off goes on where it was, with the same result.
+pub fn fit_kept(
+    cell: u32,
+    samples: Samples,
+    config: &TrainConfig,
+    earlier: Option<&CellModel>,
+    keeper: Option<&dyn Keeper>,
+) -> Result<CellFit, TrainError> {
+    let prepared = Cell::new(cell, samples, config)?.kept(earlier, keeper);
+    Ok(fit_prepared(cell, prepared))
+}
+
+pub(crate) fn fit_prepared(cell: u32, prepared: Cell) -> CellFit {
+    let start = Instant::now();
     let mut fit = match prepared.trivial() {
         Some(stop) => constant(cell, prepared, stop),
         None => train(cell, prepared),
     };
     fit.metrics.seconds = start.elapsed().as_secs_f64();
-    Ok(fit)
+    fit
 }
 
 /// Whether the mean alone reaches the error sought: the smallest model of all.
@@ -165,7 +169,7 @@ fn constant(cell: u32, prepared: Cell, stop: Stop) -> CellFit {
 
 fn train(cell: u32, mut prepared: Cell) -> CellFit {
     if constant_suffices(&prepared) {
-        let unused = prepared.inputs.iter().map(|input| input.id);
+        let unused = prepared.units.inputs.iter().map(|input| input.id);
         prepared.report.dropped_inputs.extend(unused);
         return constant(cell, prepared, Stop::Target);
     }
@@ -275,9 +279,9 @@ fn finish(cell: u32, prepared: Cell, ended: Ended) -> CellFit {
     let metrics = CellMetrics {
         cell,
         seed: prepared.config.seed,
-        rows: prepared.samples.rows.len(),
-        train_rows: prepared.train_ids.len(),
-        validation_rows: prepared.validation_ids.len(),
+        rows: prepared.rows,
+        train_rows: prepared.train.len(),
+        validation_rows: prepared.validation.len(),
         quarantined_rows: prepared.report.quarantined.len(),
         iterations: ended.iterations,
         stop: ended.stop,
@@ -292,13 +296,13 @@ fn finish(cell: u32, prepared: Cell, ended: Ended) -> CellFit {
     };
     let model = CellModel {
         cell,
-        inputs: prepared.inputs.iter().map(|i| i.id).collect(),
-        input_offset: prepared.inputs.iter().map(|i| i.offset).collect(),
-        input_scale: prepared.inputs.iter().map(|i| i.scale).collect(),
+        inputs: prepared.units.inputs.iter().map(|i| i.id).collect(),
+        input_offset: prepared.units.inputs.iter().map(|i| i.offset).collect(),
+        input_scale: prepared.units.inputs.iter().map(|i| i.scale).collect(),
         shape,
         weights,
-        output_scale: prepared.output.scale,
-        output_offset: prepared.output.offset,
+        output_scale: prepared.units.output.scale,
+        output_offset: prepared.units.output.offset,
         divide_base: prepared.config.divide_base,
         exponential: prepared.config.exponential,
     };

@@ -1,63 +1,74 @@
 //! The error of a net on some rows, free of Monte Carlo noise.
 
 use crate::cell::Cell;
+use crate::checkpoint::{Reader, Words};
 use crate::halves::{self, ErrorEstimate};
+use crate::lm::Problem;
 use crate::prepare;
 use crate::problem::NetProblem;
-use crate::rows::{MemoryRows, Part};
+use crate::rows::{CellRows, Part};
 use crate::tile::CHANNELS;
 use rrf_field::net::Shape;
+use std::ops::Range;
 
 /// Tells a net's error over some rows, free of Monte Carlo noise.
 pub(crate) struct Judge<'a> {
     cell: &'a Cell<'a>,
     problem: NetProblem<Part<'a>>,
-    ids: &'a [u32],
+    /// Which of the cell's rows, in its order.
+    range: Range<usize>,
     divisor: Vec<f64>,
+    /// Share and weights that the divisors were last renewed by.
+    renewed: Renewal,
 }
+
+/// Share and weights of a renewal of the divisors, if there was one.
+pub(crate) type Renewal = Option<(f64, Vec<f64>)>;
 
 impl<'a> Judge<'a> {
     /// On the first `most` training rows; errors are divided by the luminance of the targets
     /// until [`Judge::renew`].
     pub fn on_training(cell: &'a Cell, shape: &Shape, most: usize) -> Judge<'a> {
-        Judge::new(cell, shape, &cell.train, &cell.train_ids, most)
+        Judge::new(cell, shape, &cell.train, 0, most)
     }
 
     /// On the first `most` validation rows.
     pub fn on_validation(cell: &'a Cell, shape: &Shape, most: usize) -> Judge<'a> {
-        Judge::new(cell, shape, &cell.validation, &cell.validation_ids, most)
+        Judge::new(cell, shape, &cell.validation, cell.train.len(), most)
     }
 
     /// On the rows that choose weights: validation, or training where there is none; a `share`
     /// of them.
     pub fn choosing(cell: &'a Cell, shape: &Shape, share: f64) -> Judge<'a> {
-        let most = |ids: &[u32]| (ids.len() as f64 * share).ceil() as usize;
-        if cell.validation_ids.is_empty() {
-            Judge::on_training(cell, shape, most(&cell.train_ids))
+        let most = |rows: &CellRows| (rows.len() as f64 * share).ceil() as usize;
+        if cell.validation.len() == 0 {
+            Judge::on_training(cell, shape, most(&cell.train))
         } else {
-            Judge::on_validation(cell, shape, most(&cell.validation_ids))
+            Judge::on_validation(cell, shape, most(&cell.validation))
         }
     }
 
     fn new(
         cell: &'a Cell,
         shape: &Shape,
-        rows: &'a MemoryRows,
-        ids: &'a [u32],
+        rows: &'a CellRows<'a>,
+        first: usize,
         most: usize,
     ) -> Judge<'a> {
-        let ids = &ids[..most.min(ids.len())];
-        let divisor = (ids.iter())
-            .map(|&r| prepare::luminance(cell.samples.mean(r as usize)))
-            .map(|luminance| 1.0 / luminance.max(cell.floor))
-            .collect();
-        let residuals = ids.len() * CHANNELS;
+        let range = first..first + most.min(rows.len());
+        let mut divisor = Vec::with_capacity(range.len());
+        cell.raw.each(range.clone(), |chunk, rows| {
+            let luminance = rows.map(|row| prepare::luminance(chunk.mean(row)));
+            divisor.extend(luminance.map(|l| 1.0 / l.max(cell.floor)));
+        });
+        let residuals = range.len() * CHANNELS;
         Judge {
-            problem: NetProblem::new(shape, rows.first(ids.len()), residuals, cell.loss)
+            problem: NetProblem::new(shape, rows.first(range.len()), residuals, cell.loss)
                 .exponential(cell.config.exponential),
             cell,
-            ids,
+            range,
             divisor,
+            renewed: None,
         }
     }
 
@@ -70,24 +81,49 @@ impl<'a> Judge<'a> {
                 *d = 1.0 / l.max(floor);
             }
         });
+        self.renewed = Some((share, w.to_vec()));
+    }
+
+    /// What makes the divisors.
+    pub fn write(&self, words: &mut Words) {
+        match &self.renewed {
+            Some((share, w)) => {
+                words.float(*share);
+                words.floats(w);
+            }
+            None => {
+                words.float(1.0);
+                words.floats(&[]);
+            }
+        }
+    }
+
+    /// What [`Judge::renew`] was last called with, if it was; none where it is of another net.
+    pub fn read(&self, words: &mut Reader) -> Option<Renewal> {
+        let (share, w) = (words.float()?, words.list()?);
+        match w.len() {
+            0 => Some(None),
+            n => (n == self.problem.parameters()).then_some(Some((share, w))),
+        }
     }
 
     /// Squared relative error of the net with weights `w`.
     pub fn error(&mut self, w: &[f64]) -> ErrorEstimate {
-        let mut values = Vec::with_capacity(self.ids.len());
-        let (cell, ids, divisor) = (self.cell, self.ids, &self.divisor);
-        let output = &cell.output;
+        let mut values = Vec::with_capacity(self.range.len());
+        let (cell, start, divisor) = (self.cell, self.range.start, &self.divisor);
+        let output = &cell.units.output;
         self.problem.each_tile(w, |first, tile| {
-            for i in 0..tile.batch.rows {
-                let row = ids[first + i] as usize;
-                let base = cell.samples.base(row, cell.config.divide_base);
-                let p = std::array::from_fn(|c| {
-                    let (scale, offset) = (output.scale[c], output.offset[c]);
-                    base[c] * (f64::from(offset) + f64::from(scale) * tile.out[c][i])
-                });
-                let [y1, y2] = cell.samples.halves.map(|half| half[row]);
-                values.push(halves::product(p, y1, y2, divisor[first + i]));
-            }
+            cell.raw.show(start + first, tile.batch.rows, |chunk, at| {
+                for i in 0..tile.batch.rows {
+                    let base = chunk.base(at + i, cell.config.divide_base);
+                    let p = std::array::from_fn(|c| {
+                        let (scale, offset) = (output.scale[c], output.offset[c]);
+                        base[c] * (f64::from(offset) + f64::from(scale) * tile.out[c][i])
+                    });
+                    let [y1, y2] = [0, 1].map(|half| chunk.halves[half][at + i]);
+                    values.push(halves::product(p, y1, y2, divisor[first + i]));
+                }
+            });
         });
         ErrorEstimate::of(&values)
     }

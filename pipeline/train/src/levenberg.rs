@@ -1,6 +1,7 @@
 //! The damped step and what goes from one to the next.
 
 use crate::blocks::Normal;
+use crate::checkpoint::{Reader, Words};
 use crate::evidence::{self, Evidence};
 use crate::linalg::Cholesky;
 use crate::lm::{LmConfig, Problem, Scaling, Stop};
@@ -202,6 +203,26 @@ impl Levenberg {
             *v += 0.5 * a;
         }
         Some(())
+    }
+
+    /// What one step leaves to the next.
+    pub(crate) fn write(&self, words: &mut Words) {
+        for x in [self.mu, self.nu, self.largest] {
+            words.float(x);
+        }
+        words.floats(&self.scale);
+    }
+
+    /// The same with what [`Levenberg::write`] wrote; none where it is of another problem.
+    pub(crate) fn read(&self, words: &mut Reader) -> Option<Levenberg> {
+        let (mu, nu, largest) = (words.float()?, words.float()?, words.float()?);
+        Some(Levenberg {
+            mu,
+            nu,
+            largest,
+            scale: words.floats(self.scale.len())?,
+            ..Levenberg::new(self.scale.len(), self.config)
+        })
     }
 
     fn raise(&mut self) {

@@ -8,7 +8,9 @@
 //! - [`lm`] takes damped steps on any [`lm::Problem`], [`linalg`] factors;
 //!   other people's problems come in through [`dense`];
 //! - [`problem`] makes a net and its relative loss such a problem;
-//! - [`rows`] holds the rows in memory, [`streamed`] reads them again at each pass;
+//! - [`rows`] holds the rows in memory, or reads them again at each pass from a file where they
+//!   are too many ([`spill`]);
+//! - [`checkpoint`] keeps where a long fit stands;
 //! - [`halves`] tells errors without Monte Carlo noise;
 //! - [`quadratic`] says where a cell is best cut in two;
 //! - [`fit`] puts it together: [`fit::fit_cell`].
@@ -19,6 +21,8 @@
 
 pub mod blocks;
 mod cell;
+pub mod checkpoint;
+pub mod chunk;
 pub mod config;
 mod curvature;
 pub mod dense;
@@ -34,22 +38,26 @@ mod levenberg;
 pub mod linalg;
 pub mod lm;
 pub mod online;
+mod ordered;
 pub mod prepare;
 pub mod problem;
 mod products;
 mod prune;
 pub mod quadratic;
+mod resume;
 pub mod rows;
+mod scratch;
 mod search;
 pub mod simd;
-pub mod streamed;
+pub mod spill;
+mod streamed;
 pub mod tile;
 mod warm;
 
 pub use blocks::Precision;
 pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
 pub use error::TrainError;
-pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell, fit_cell_from};
+pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell, fit_kept};
 pub use halves::ErrorEstimate;
 pub use lm::{LmConfig, Scaling, Stop};
 

@@ -86,7 +86,7 @@ pub(crate) fn train(cell: &Cell, shape: &Shape, batches: Batches) -> Online {
     let mut memory = vec![0.0; n * n];
     let mut best = (f64::INFINITY, w.clone());
     let (mut history, mut share) = (Vec::new(), 1.0);
-    let rows = cell.train_ids.len();
+    let rows = cell.train.len();
     for batch in 0..batches.epochs * rows.div_ceil(batches.rows) {
         let first = batch % rows.div_ceil(batches.rows) * batches.rows;
         let part = cell.train.part(first..first + batches.rows);

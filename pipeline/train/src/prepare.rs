@@ -2,9 +2,11 @@
 
 use crate::config::TrainConfig;
 use crate::error::TrainError;
+use crate::ordered::Ordered;
 use crate::tile::CHANNELS;
 use rrf_field::columns::{self, Columns};
 use rrf_field::model::{self, INPUTS};
+use std::ops::Range;
 
 /// A cell's samples as they come in.
 #[derive(Clone, Copy)]
@@ -46,21 +48,6 @@ impl Samples<'_> {
         }
         Ok(())
     }
-
-    /// Mean of the two halves.
-    pub fn mean(&self, row: usize) -> [f64; CHANNELS] {
-        let (a, b) = (self.halves[0][row], self.halves[1][row]);
-        std::array::from_fn(|c| 0.5 * (f64::from(a[c]) + f64::from(b[c])))
-    }
-
-    /// Base colour where the target is divided by it, otherwise 1.
-    pub fn base(&self, row: usize, divide: bool) -> [f64; CHANNELS] {
-        if divide {
-            self.rows.vec3(columns::BASE, row).map(f64::from)
-        } else {
-            [1.0; CHANNELS]
-        }
-    }
 }
 
 /// Mean of the channels.
@@ -68,12 +55,11 @@ pub fn luminance(y: [f64; CHANNELS]) -> f64 {
     y.iter().sum::<f64>() / CHANNELS as f64
 }
 
-/// An input, its column and its scale.
+/// An input and its scale.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Input {
     /// Place in [`INPUTS`].
     pub id: u8,
-    /// One value a row of the cell.
-    pub values: Vec<f32>,
     /// Mean over the training rows.
     pub offset: f32,
     /// 1 / standard deviation over the training rows.
@@ -90,7 +76,7 @@ fn matters_to_lambert(id: u8) -> bool {
 }
 
 /// Inputs named in the configuration that can matter, in its order, and those that cannot.
-pub fn choose_inputs(config: &TrainConfig) -> Result<(Vec<u8>, Vec<u8>), TrainError> {
+pub(crate) fn choose_inputs(config: &TrainConfig) -> Result<(Vec<u8>, Vec<u8>), TrainError> {
     let named = input_ids(config)?;
     Ok(named
         .into_iter()
@@ -108,70 +94,74 @@ fn input_ids(config: &TrainConfig) -> Result<Vec<u8>, TrainError> {
     config.inputs.iter().map(find).collect()
 }
 
-/// Computes the inputs for all rows.
-pub fn compute_inputs(ids: &[u8], rows: &Columns) -> Vec<Input> {
-    ids.iter()
-        .map(|&id| {
-            let mut values = Vec::new();
-            model::fill(id, rows, &mut values);
-            Input {
-                id,
-                values,
-                offset: 0.0,
-                scale: 1.0,
-            }
-        })
-        .collect()
-}
-
-/// Rows in which a used number is NaN or infinite, or a base colour negative.
-pub fn quarantine(samples: &Samples, inputs: &[Input], divide_base: bool) -> Vec<u32> {
+/// Which rows hold a used number that is NaN or infinite, or a negative base colour.
+pub(crate) fn unusable(samples: &Samples, ids: &[u8], divide_base: bool) -> Vec<bool> {
+    let finite = |y: [f32; 3]| y.iter().all(|y| y.is_finite());
     let bad = |row: usize| {
-        let finite = |y: [f32; 3]| y.iter().all(|y| y.is_finite());
         let base = samples.rows.vec3(columns::BASE, row);
         !(finite(samples.halves[0][row]) && finite(samples.halves[1][row]))
-            || inputs.iter().any(|input| !input.values[row].is_finite())
             || (divide_base && !base.iter().all(|b| *b >= 0.0 && b.is_finite()))
     };
-    (0..samples.rows.len())
-        .filter(|&row| bad(row))
-        .map(|row| row as u32)
-        .collect()
+    let mut unusable: Vec<bool> = (0..samples.rows.len()).map(bad).collect();
+    let mut values = Vec::new();
+    for &id in ids {
+        model::fill(id, samples.rows, &mut values);
+        for (bad, x) in unusable.iter_mut().zip(&values) {
+            *bad |= !x.is_finite();
+        }
+    }
+    unusable
 }
 
-/// Scales the inputs over `train` and takes out those that do not vary there: those whose
-/// standard deviation is below 1e-5 of the largest absolute value among the coordinates they
-/// belong with (f32 coordinates of a plane wobble by 1e-7 of that).
-pub fn scale_inputs(inputs: &mut Vec<Input>, train: &[u32]) -> Vec<u8> {
-    let largest = |input: &Input| {
-        train
-            .iter()
-            .map(|&r| f64::from(input.values[r as usize]).abs())
-            .fold(0.0, f64::max)
-    };
-    let sizes: Vec<(u8, f64)> = inputs.iter().map(|i| (i.id, largest(i))).collect();
-    let mut dropped = Vec::new();
-    inputs.retain_mut(|input| {
-        let family = sizes
-            .iter()
-            .filter(|(id, _)| same_family(*id, input.id))
-            .map(|(_, size)| *size)
+/// Hands on an input's values over some rows, in order.
+fn each_value(id: u8, rows: &Ordered, range: Range<usize>, mut see: impl FnMut(f64)) {
+    let mut values = Vec::new();
+    rows.each(range, |chunk, rows| {
+        model::fill(id, &chunk.columns, &mut values);
+        values[rows].iter().for_each(|x| see(f64::from(*x)));
+    });
+}
+
+/// The inputs `ids` scaled over the training rows `train`, and those that do not vary there:
+/// whose standard deviation is below 1e-5 of the largest absolute value among the coordinates
+/// they belong with (f32 coordinates of a plane wobble by 1e-7 of that).
+pub(crate) fn scale_inputs(
+    ids: &[u8],
+    rows: &Ordered,
+    train: Range<usize>,
+) -> (Vec<Input>, Vec<u8>) {
+    let n = train.len().max(1) as f64;
+    // largest absolute value, mean
+    let sized: Vec<(u8, f64, f64)> = (ids.iter())
+        .map(|&id| {
+            let (mut largest, mut sum) = (0.0f64, 0.0);
+            each_value(id, rows, train.clone(), |x| {
+                largest = largest.max(x.abs());
+                sum += x;
+            });
+            (id, largest, sum / n)
+        })
+        .collect();
+    let (mut inputs, mut dropped) = (Vec::new(), Vec::new());
+    for &(id, _, mean) in &sized {
+        let family = (sized.iter())
+            .filter(|(other, ..)| same_family(*other, id))
+            .map(|(_, size, _)| *size)
             .fold(0.0, f64::max);
-        let n = train.len().max(1) as f64;
-        let values = || train.iter().map(|&r| f64::from(input.values[r as usize]));
-        let mean = values().sum::<f64>() / n;
-        let deviation = (values().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt();
+        let mut squares = 0.0;
+        each_value(id, rows, train.clone(), |x| {
+            squares += (x - mean) * (x - mean);
+        });
+        let deviation = (squares / n).sqrt();
         let (offset, scale) = (mean as f32, (1.0 / deviation) as f32);
         // An f32 scale underflows for spreads beyond 1e38: such an input cannot be stored.
-        let keep = deviation > 1e-5 * family && scale.is_normal() && offset.is_finite();
-        if keep {
-            (input.offset, input.scale) = (offset, scale);
+        if deviation > 1e-5 * family && scale.is_normal() && offset.is_finite() {
+            inputs.push(Input { id, offset, scale });
         } else {
-            dropped.push(input.id);
+            dropped.push(id);
         }
-        keep
-    });
-    dropped
+    }
+    (inputs, dropped)
 }
 
 /// Coordinates of one vector in one unit; every other input stands alone.
@@ -195,11 +185,11 @@ pub struct OutputScale {
     pub constant: bool,
 }
 
-/// Mean and standard deviation of the targets over `rows`, each row weighted by
+/// Mean and standard deviation of the targets over some rows, each row weighted by
 /// 1 / max(luminance, floor)²; for `exponential` outputs the mean as scale and no offset.
-pub fn scale_outputs(
-    samples: &Samples,
-    rows: &[u32],
+pub(crate) fn scale_outputs(
+    rows: &Ordered,
+    range: Range<usize>,
     floor: f64,
     divide: bool,
     exponential: bool,
@@ -210,21 +200,30 @@ pub fn scale_outputs(
         constant: true,
     };
     for c in 0..CHANNELS {
-        let values: Vec<(f64, f64)> = (rows.iter())
-            .map(|&r| {
-                let base = samples.base(r as usize, divide)[c];
-                let y = samples.mean(r as usize);
-                (base / luminance(y).max(floor), y[c] / base)
-            })
-            .filter(|(weight, _)| *weight > 0.0)
-            .collect();
-        let weight: f64 = values.iter().map(|(w, _)| w * w).sum();
+        // weight and target of each row that counts
+        let each = |mut see: Box<dyn FnMut(f64, f64) + '_>| {
+            rows.each(range.clone(), |chunk, rows| {
+                for row in rows {
+                    let (base, y) = (chunk.base(row, divide)[c], chunk.mean(row));
+                    let weight = base / luminance(y).max(floor);
+                    if weight > 0.0 {
+                        see(weight, y[c] / base);
+                    }
+                }
+            });
+        };
+        let (mut weight, mut sum) = (0.0, 0.0);
+        each(Box::new(|w, y| {
+            weight += w * w;
+            sum += w * w * y;
+        }));
         out.scale[c] = if exponential { 0.0 } else { 1.0 };
         if weight == 0.0 || !weight.is_finite() {
             continue;
         }
-        let mean = values.iter().map(|(w, y)| w * w * y).sum::<f64>() / weight;
-        let spread: f64 = values.iter().map(|(w, y)| (w * (y - mean)).powi(2)).sum();
+        let mean = sum / weight;
+        let mut spread = 0.0;
+        each(Box::new(|w, y| spread += (w * (y - mean)).powi(2)));
         let deviation = (spread / weight).sqrt();
         let varies = deviation > 1e-7 * mean.abs() && (deviation as f32).is_normal();
         out.constant &= !varies;
@@ -250,23 +249,26 @@ pub struct Noise {
     pub overcount: f64,
 }
 
-/// Noise over `rows`.
-pub fn noise(samples: &Samples, rows: &[u32], floor: f64) -> Noise {
+/// Noise over some rows.
+pub(crate) fn noise(rows: &Ordered, range: Range<usize>, floor: f64) -> Noise {
     let mut covariance = [[0.0; CHANNELS]; CHANNELS];
-    for &row in rows {
-        let d = 0.5 / luminance(samples.mean(row as usize)).max(floor);
-        let [a, b] = samples.halves.map(|half| half[row as usize].map(f64::from));
-        let e: [f64; CHANNELS] = std::array::from_fn(|c| d * (a[c] - b[c]));
-        for (i, row) in covariance.iter_mut().enumerate() {
-            for (j, sum) in row.iter_mut().enumerate() {
-                *sum += e[i] * e[j];
+    let count = range.len().max(1);
+    rows.each(range, |chunk, rows| {
+        for row in rows {
+            let d = 0.5 / luminance(chunk.mean(row)).max(floor);
+            let [a, b] = [0, 1].map(|half| chunk.halves[half][row].map(f64::from));
+            let e: [f64; CHANNELS] = std::array::from_fn(|c| d * (a[c] - b[c]));
+            for (i, row) in covariance.iter_mut().enumerate() {
+                for (j, sum) in row.iter_mut().enumerate() {
+                    *sum += e[i] * e[j];
+                }
             }
         }
-    }
+    });
     let trace: f64 = (0..CHANNELS).map(|c| covariance[c][c]).sum();
     let norm: f64 = covariance.iter().flatten().map(|c| c * c).sum();
     Noise {
-        square: trace / (CHANNELS * rows.len().max(1)) as f64,
+        square: trace / (CHANNELS * count) as f64,
         overcount: if trace > 0.0 {
             CHANNELS as f64 * norm / (trace * trace)
         } else {

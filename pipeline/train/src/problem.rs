@@ -1,6 +1,7 @@
 //! Training a net as a sum of squares: the [`Problem`] that Levenberg-Marquardt sees.
 
 use crate::blocks::{Accumulator, Normal, Precision};
+use crate::checkpoint::{Reader, Words};
 use crate::curvature::second_derivative;
 use crate::linalg::Cholesky;
 use crate::lm::Problem;
@@ -133,6 +134,21 @@ impl<R: Rows> NetProblem<R> {
             self.tile.forward(w);
             see(first, &self.tile);
         }
+    }
+
+    /// What the last steps made of the weights of the rows.
+    pub(crate) fn write_weights(&self, words: &mut Words) {
+        words.push(u64::from(self.fresh));
+        words.float(self.share);
+        words.floats(&self.divisor);
+    }
+
+    /// Takes them back; none where they are of other rows.
+    pub(crate) fn read_weights(&mut self, words: &mut Reader) -> Option<()> {
+        let (fresh, share) = (words.take()? != 0, words.float()?);
+        self.divisor = words.floats(self.divisor.len())?;
+        (self.fresh, self.share) = (fresh, share);
+        Some(())
     }
 
     fn load(&mut self, first: usize) {

@@ -1,45 +1,55 @@
-//! A cell's rows in memory, in the units of its net.
+//! A cell's rows in the units of its net: in memory, or scaled anew at each pass.
 
-use crate::prepare::{Input, OutputScale, Samples, luminance};
+use crate::chunk::Chunk;
+use crate::ordered::Ordered;
+use crate::prepare::{Input, OutputScale, luminance};
 use crate::simd::TILE;
+use crate::streamed::StreamedRows;
 use crate::tile::{Batch, CHANNELS, Rows};
+use rrf_field::model;
+use std::ops::Range;
+
+/// What raw rows become a net's rows by.
+#[derive(Clone, Debug)]
+pub struct Units {
+    /// Inputs and their scales.
+    pub inputs: Vec<Input>,
+    /// Scale of the targets.
+    pub output: OutputScale,
+    /// Targets are divided by the base colour.
+    pub divide_base: bool,
+}
 
 /// Rows in memory, in a net's units.
 pub struct MemoryRows {
     /// One column an input.
-    pub(crate) x: Vec<Vec<f32>>,
+    x: Vec<Vec<f32>>,
     target: [Vec<f64>; CHANNELS],
     gain: [Vec<f64>; CHANNELS],
     base: Vec<f64>,
 }
 
 impl MemoryRows {
-    /// The rows named, scaled.
-    pub fn new(
-        samples: &Samples,
-        rows: &[u32],
-        inputs: &[Input],
-        output: &OutputScale,
-        divide: bool,
-    ) -> MemoryRows {
-        let scaled = |input: &Input| {
-            rows.iter()
-                .map(|&r| (input.values[r as usize] - input.offset) * input.scale)
-                .collect()
+    /// A range of rows, scaled.
+    pub fn new(chunk: &Chunk, rows: Range<usize>, units: &Units) -> MemoryRows {
+        let mut values = Vec::new();
+        let mut scaled = |input: &Input| -> Vec<f32> {
+            model::fill(input.id, &chunk.columns, &mut values);
+            let values = &values[rows.clone()];
+            let scaled = values.iter().map(|x| (x - input.offset) * input.scale);
+            scaled.collect()
         };
         let mut result = MemoryRows {
-            x: inputs.iter().map(scaled).collect(),
+            x: units.inputs.iter().map(&mut scaled).collect(),
             target: Default::default(),
             gain: Default::default(),
             base: Vec::with_capacity(rows.len()),
         };
-        for &row in rows {
-            let (y, base) = (
-                samples.mean(row as usize),
-                samples.base(row as usize, divide),
-            );
+        for row in rows {
+            let (y, base) = (chunk.mean(row), chunk.base(row, units.divide_base));
             let mut zero = [0.0; CHANNELS];
             for c in 0..CHANNELS {
+                let output = &units.output;
                 let (scale, offset) = (f64::from(output.scale[c]), f64::from(output.offset[c]));
                 let target = (y[c] / base[c] - offset) / scale;
                 let used = base[c] > 0.0 && target.is_finite();
@@ -52,34 +62,19 @@ impl MemoryRows {
         result
     }
 
-    /// The first `rows` rows.
-    pub fn first(&self, rows: usize) -> Part<'_> {
-        self.part(0..rows)
+    /// How many residuals of a range of rows count.
+    pub(crate) fn residuals(&self, range: Range<usize>) -> usize {
+        let used = |gain: &Vec<f64>| gain[range.clone()].iter().filter(|g| **g > 0.0).count();
+        self.gain.iter().map(used).sum()
     }
 
-    /// Some rows in their order.
-    pub fn part(&self, range: std::ops::Range<usize>) -> Part<'_> {
-        let end = range.end.min(self.len());
-        Part {
-            of: self,
-            first: range.start.min(end),
-            end,
-        }
-    }
-}
-
-impl Rows for MemoryRows {
-    fn len(&self) -> usize {
-        self.base.len()
+    /// Makes every cost over these rows no number: they could not be read.
+    pub(crate) fn spoil(&mut self) {
+        self.gain.iter_mut().for_each(|gain| gain.fill(f64::NAN));
     }
 
-    fn load(&self, first: usize, batch: &mut Batch) {
-        self.load_until(first, self.len(), batch);
-    }
-}
-
-impl MemoryRows {
-    fn load_until(&self, first: usize, end: usize, batch: &mut Batch) {
+    /// A tile from `first` on that ends at `end` at the latest.
+    pub(crate) fn load_until(&self, first: usize, end: usize, batch: &mut Batch) {
         let rows = TILE.min(end.saturating_sub(first));
         batch.rows = rows;
         for (lane, column) in batch.x.iter_mut().zip(&self.x) {
@@ -95,9 +90,83 @@ impl MemoryRows {
     }
 }
 
+impl Rows for MemoryRows {
+    fn len(&self) -> usize {
+        self.base.len()
+    }
+
+    fn load(&self, first: usize, batch: &mut Batch) {
+        self.load_until(first, self.len(), batch);
+    }
+}
+
+/// Rows of a cell that are trained on, or those held out.
+pub(crate) enum CellRows<'a> {
+    Held(MemoryRows),
+    Streamed(StreamedRows<'a>),
+}
+
+impl<'a> CellRows<'a> {
+    /// A range of a cell's rows.
+    pub fn new(ordered: &Ordered<'a>, range: Range<usize>, units: &Units) -> CellRows<'a> {
+        match ordered {
+            Ordered::Held(chunk) => CellRows::Held(MemoryRows::new(chunk, range, units)),
+            Ordered::Spilled(scratch) => {
+                CellRows::Streamed(StreamedRows::new(scratch.clone(), range, units.clone()))
+            }
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        match self {
+            CellRows::Held(rows) => rows.len(),
+            CellRows::Streamed(rows) => rows.len(),
+        }
+    }
+
+    /// The first `rows` rows.
+    pub fn first(&self, rows: usize) -> Part<'_> {
+        self.part(0..rows)
+    }
+
+    /// Some rows in their order.
+    pub fn part(&self, range: Range<usize>) -> Part<'_> {
+        let end = range.end.min(self.len());
+        Part {
+            of: self,
+            first: range.start.min(end),
+            end,
+        }
+    }
+
+    /// Takes an input's column out.
+    pub fn take_input(&mut self, place: usize) -> TakenColumn {
+        match self {
+            CellRows::Held(rows) => TakenColumn::Values(rows.x.remove(place)),
+            CellRows::Streamed(rows) => TakenColumn::Input(rows.take_input(place)),
+        }
+    }
+
+    /// Puts it back.
+    pub fn put_input(&mut self, place: usize, column: TakenColumn) {
+        match (self, column) {
+            (CellRows::Held(rows), TakenColumn::Values(values)) => rows.x.insert(place, values),
+            (CellRows::Streamed(rows), TakenColumn::Input(input)) => rows.put_input(place, input),
+            // a column only ever goes back to the rows that it was taken from
+            _ => (),
+        }
+    }
+}
+
+/// An input taken out of rows.
+pub(crate) enum TakenColumn {
+    Values(Vec<f32>),
+    Input(Input),
+}
+
 /// A stretch of some rows.
-pub struct Part<'a> {
-    of: &'a MemoryRows,
+pub(crate) struct Part<'a> {
+    of: &'a CellRows<'a>,
     first: usize,
     end: usize,
 }
@@ -105,11 +174,10 @@ pub struct Part<'a> {
 impl Part<'_> {
     /// How many residuals count.
     pub fn residuals(&self) -> usize {
-        let used = |gain: &Vec<f64>| {
-            let gain = &gain[self.first..self.end];
-            gain.iter().filter(|g| **g > 0.0).count()
-        };
-        self.of.gain.iter().map(used).sum()
+        match self.of {
+            CellRows::Held(rows) => rows.residuals(self.first..self.end),
+            CellRows::Streamed(rows) => rows.residuals(self.first..self.end),
+        }
     }
 }
 
@@ -119,6 +187,10 @@ impl Rows for Part<'_> {
     }
 
     fn load(&self, first: usize, batch: &mut Batch) {
-        self.of.load_until(self.first + first, self.end, batch);
+        let first = self.first + first;
+        match self.of {
+            CellRows::Held(rows) => rows.load_until(first, self.end, batch),
+            CellRows::Streamed(rows) => rows.load_until(first, self.end, batch),
+        }
     }
 }

@@ -41,7 +41,7 @@ pub(crate) fn best_of_starts<'a>(cell: &'a Cell, shape: &Shape) -> Option<(Desce
     if let Some(w) = cell.earlier_weights(shape) {
         return finish(cell, vec![Descent::going_on(cell, shape.clone(), w)]);
     }
-    let rungs = rungs(config, cell.train_ids.len(), shape.weights());
+    let rungs = rungs(config, cell.train.len(), shape.weights());
     let starts = rungs.first().map_or(config.starts.max(1), |rung| rung.1);
     let mut field: Vec<Descent> = (0..starts as u64)
         .map(|start| Descent::new(cell, shape.clone(), start))

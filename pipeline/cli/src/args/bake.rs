@@ -187,6 +187,9 @@ pub struct TaskArgs {
     /// Added to the index of a scheduler, for plans larger than its arrays may be.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub offset: u32,
+    /// Memory that the task may need, as 500MiB or 2GiB: a fit of more keeps its rows in a file.
+    #[arg(long, value_name = "BYTES|2GiB", value_parser = parse_bytes)]
+    pub memory: Option<u64>,
 }
 
 /// `rrf commit`.

@@ -1,106 +1,217 @@
-//! Rows that are read again and again instead of held.
+//! Rows in a file instead of in memory, and fits that go on after a kill.
 
 use crate::cells::{self, Cell, smooth};
 use rrf_field::columns::Columns;
-use rrf_field::model::CellModel;
-use rrf_train::Scaling;
-use rrf_train::blocks::Normal;
-use rrf_train::lm::{Levenberg, LmConfig, Problem};
-use rrf_train::prepare::{self, OutputScale, Samples};
-use rrf_train::problem::{Loss, NetProblem};
-use rrf_train::rows::MemoryRows;
-use rrf_train::streamed::{Chunk, StreamedRows};
-use rrf_train::tile::Rows;
-use std::cell::Cell as Counter;
+use rrf_train::checkpoint::Keeper;
+use rrf_train::prepare::Samples;
+use rrf_train::spill::{SpillError, fit_spilled};
+use rrf_train::{CellFit, Size, TrainConfig, fit_kept};
+use std::cell::RefCell;
+use std::fs::File;
+use std::io;
 
-const ROWS: usize = 3000;
+/// More than a window of the file.
+const ROWS: usize = 9000;
 
-fn part(cell: &Cell, first: usize, count: usize) -> Chunk {
-    let cut = |column: &Vec<f32>| column[first..first + count].to_vec();
-    Chunk {
-        columns: Columns {
-            columns: std::array::from_fn(|c| cut(&cell.columns.columns[c])),
-        },
-        halves: [0, 1].map(|h| cell.halves[h][first..first + count].to_vec()),
-    }
+fn cell(noise: f64) -> Cell {
+    let mut cell = Cell::new(ROWS, noise, smooth);
+    // what is left out must be left out of the file too
+    cell.halves[0][17][1] = f32::NAN;
+    cell.halves[1][5003][0] = f32::INFINITY;
+    cell
 }
 
-fn held(cell: &Cell, units: &CellModel) -> MemoryRows {
-    let mut inputs = prepare::compute_inputs(&units.inputs, &cell.columns);
-    for (i, input) in inputs.iter_mut().enumerate() {
-        (input.offset, input.scale) = (units.input_offset[i], units.input_scale[i]);
-    }
-    let samples = Samples {
+fn samples(cell: &Cell) -> Samples<'_> {
+    Samples {
         rows: &cell.columns,
         halves: [&cell.halves[0], &cell.halves[1]],
         validation: &cell.validation,
-    };
-    let output = OutputScale {
-        scale: units.output_scale,
-        offset: units.output_offset,
-        constant: false,
-    };
-    let all: Vec<u32> = (0..ROWS as u32).collect();
-    MemoryRows::new(&samples, &all, &inputs, &output, units.divide_base)
-}
-
-/// Five steps and what they lead to.
-fn steps(rows: impl Rows, units: &CellModel) -> (Vec<f64>, Normal) {
-    let loss = Loss::Relative {
-        floor: 0.05,
-        noise: 1e-4,
-    };
-    let mut problem = NetProblem::new(&units.shape, rows, 3 * ROWS, loss);
-    let config = LmConfig {
-        scaling: Scaling::Identity,
-        ..LmConfig::default()
-    };
-    let mut w: Vec<f64> = units.weights.iter().map(|w| f64::from(*w) * 0.9).collect();
-    let mut lm = Levenberg::new(w.len(), config);
-    for _ in 0..5 {
-        lm.step(&mut problem, &mut w, 1e-3).unwrap();
     }
-    (w, lm.normal)
 }
 
-/// 300 rows asked for at a time become 384, three tiles; never more than these are held.
-#[test]
-fn streamed_rows_give_the_bits_of_rows_in_memory() {
-    let cell = Cell::new(ROWS, 0.02, smooth);
-    let units = cell.fit(&cells::config()).model;
-    let (reads, most) = (Counter::new(0), Counter::new(0));
-    let streamed = StreamedRows::new(ROWS, 300, &units, |first, count| {
-        reads.set(reads.get() + 1);
-        most.set(most.get().max(count));
-        Ok::<_, ()>(part(&cell, first, count))
-    });
-    let (from_stream, from_memory) = (steps(&streamed, &units), steps(held(&cell, &units), &units));
-    assert_eq!(from_stream, from_memory);
-    assert_eq!(most.get(), 384);
-    // eight chunks a pass, at least two passes a step
-    assert!(reads.get() >= 5 * 2 * 8, "{}", reads.get());
+/// The cell in pieces of `rows` rows.
+fn pieces(cell: &Cell, rows: usize, see: &mut dyn FnMut(&Samples)) {
+    for first in (0..ROWS).step_by(rows) {
+        let range = first..ROWS.min(first + rows);
+        let columns = Columns {
+            columns: std::array::from_fn(|c| cell.columns.columns[c][range.clone()].to_vec()),
+        };
+        see(&Samples {
+            rows: &columns,
+            halves: [0, 1].map(|h| &cell.halves[h][range.clone()]),
+            validation: &cell.validation[range],
+        });
+    }
 }
 
-/// A part that cannot be read stops the fit before it moves a weight.
+fn spilled(cell: &Cell, rows: usize, config: &TrainConfig, keeper: Option<&dyn Keeper>) -> CellFit {
+    let pass = |see: &mut dyn FnMut(&Samples)| {
+        pieces(cell, rows, see);
+        Ok::<(), io::Error>(())
+    };
+    fit_spilled(0, pass, &tempfile::tempfile().unwrap(), config, keeper).unwrap()
+}
+
+fn assert_same(a: &CellFit, b: &CellFit) {
+    let bits =
+        |fit: &CellFit| -> Vec<u32> { fit.model.weights.iter().map(|w| w.to_bits()).collect() };
+    assert_eq!(bits(a), bits(b));
+    assert_eq!(a.model, b.model);
+    assert_eq!(a.report, b.report);
+    let timeless = |fit: &CellFit| {
+        let mut metrics = fit.metrics.clone();
+        metrics.seconds = 0.0;
+        metrics
+    };
+    assert_eq!(timeless(a), timeless(b));
+}
+
+/// Legs of three lengths, starts that compete, the decay's evidence, then pruning.
+fn config() -> TrainConfig {
+    TrainConfig {
+        size: Size::Hidden(vec![6, 4]),
+        starts: 3,
+        rungs: 2,
+        rung_steps: 3,
+        iterations: 9,
+        prune: Some(0.05),
+        ..cells::config()
+    }
+}
+
 #[test]
-fn a_failed_read_stops_the_fit() {
-    let cell = Cell::new(ROWS, 0.0, smooth);
-    let units = cell.fit(&cells::config()).model;
-    let streamed = StreamedRows::new(ROWS, 512, &units, |first, count| {
-        if first >= 1024 {
-            return Err("gone");
+fn a_file_of_rows_gives_the_bits_of_rows_in_memory() {
+    let cell = cell(0.02);
+    for divide_base in [false, true] {
+        let config = TrainConfig {
+            divide_base,
+            mean_luminance: None,
+            ..config()
+        };
+        let held = fit_kept(0, samples(&cell), &config, None).unwrap();
+        assert_eq!(held.metrics.quarantined_rows, 2);
+        for rows in [ROWS, 1000] {
+            assert_same(&spilled(&cell, rows, &config, None), &held);
         }
-        Ok(part(&cell, first, count))
-    });
-    let mut problem = NetProblem::new(&units.shape, &streamed, 3 * ROWS, Loss::Absolute);
-    let mut w: Vec<f64> = units.weights.iter().map(|w| f64::from(*w)).collect();
-    let before = w.clone();
-    assert!(problem.cost(&w).is_nan());
-    let mut lm = Levenberg::new(w.len(), LmConfig::default());
-    assert_eq!(
-        lm.step(&mut problem, &mut w, 0.0),
-        Err(rrf_train::Stop::NotFinite)
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_used_is_an_error() {
+    let cell = cell(0.0);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("read only");
+    std::fs::write(&path, b"").unwrap();
+    let pass = |see: &mut dyn FnMut(&Samples)| {
+        pieces(&cell, ROWS, see);
+        Ok::<(), io::Error>(())
+    };
+    let found = fit_spilled(0, pass, &File::open(&path).unwrap(), &config(), None);
+    assert!(matches!(found, Err(SpillError::Scratch(_))));
+    // cut short behind the fit's back
+    let file = tempfile::tempfile().unwrap();
+    let cutting = Cutting(&file);
+    let found = fit_spilled(0, pass, &file, &config(), Some(&cutting));
+    assert!(matches!(found, Err(SpillError::Scratch(_))), "{found:?}");
+}
+
+/// Cuts the file off in the middle of the fit.
+struct Cutting<'a>(&'a File);
+
+impl Keeper for Cutting<'_> {
+    fn load(&self) -> Option<Vec<u8>> {
+        None
+    }
+
+    fn is_due(&self) -> bool {
+        true
+    }
+
+    fn save(&self, _: &[u8]) {
+        self.0.set_len(100_000).unwrap();
+    }
+}
+
+/// Keeps every state that it is given.
+#[derive(Default)]
+struct Album {
+    first: Option<Vec<u8>>,
+    states: RefCell<Vec<Vec<u8>>>,
+}
+
+impl Keeper for Album {
+    fn load(&self) -> Option<Vec<u8>> {
+        self.first.clone()
+    }
+
+    fn is_due(&self) -> bool {
+        true
+    }
+
+    fn save(&self, state: &[u8]) {
+        self.states.borrow_mut().push(state.to_vec());
+    }
+}
+
+/// Killed after any step and begun again from what was kept there: the same bits, and only the
+/// steps that were left.
+#[test]
+fn a_fit_goes_on_from_any_of_its_states() {
+    let cell = cell(0.02);
+    let config = config();
+    let whole = fit_kept(0, samples(&cell), &config, None).unwrap();
+    let album = Album::default();
+    assert_same(
+        &fit_kept(0, samples(&cell), &config, Some(&album)).unwrap(),
+        &whole,
     );
-    assert_eq!(streamed.failure(), Some("gone"));
-    assert_eq!(w, before);
+    let states = album.states.into_inner();
+    assert!(states.len() > 20, "{} states", states.len());
+    for (at, state) in states.iter().enumerate().step_by(3) {
+        let album = Album {
+            first: Some(state.clone()),
+            ..Album::default()
+        };
+        assert_same(
+            &fit_kept(0, samples(&cell), &config, Some(&album)).unwrap(),
+            &whole,
+        );
+        assert_eq!(album.states.into_inner(), states[at..]);
+    }
+    // a state of rows in memory is one of rows in a file
+    let album = Album {
+        first: states.last().cloned(),
+        ..Album::default()
+    };
+    assert_same(&spilled(&cell, 2000, &config, Some(&album)), &whole);
+    assert_eq!(album.states.into_inner().len(), 1);
+}
+
+/// Bytes that are no state, or that of another fit, change nothing.
+#[test]
+fn a_state_of_another_fit_is_not_used() {
+    let cell = cell(0.02);
+    let other = TrainConfig {
+        size: Size::Hidden(vec![5]),
+        ..config()
+    };
+    let album = Album::default();
+    fit_kept(0, samples(&cell), &other, Some(&album)).unwrap();
+    let states = album.states.into_inner();
+    let whole = fit_kept(0, samples(&cell), &config(), None).unwrap();
+    for first in [
+        &states[0],
+        &states[states.len() / 2],
+        &vec![7; 801],
+        &vec![255; 800],
+    ] {
+        let album = Album {
+            first: Some(first.clone()),
+            ..Album::default()
+        };
+        assert_same(
+            &fit_kept(0, samples(&cell), &config(), Some(&album)).unwrap(),
+            &whole,
+        );
+    }
 }

@@ -1,0 +1,6 @@
+//! The Arrow tables; the first byte says which.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| rrf_fuzz::arrow(bytes));

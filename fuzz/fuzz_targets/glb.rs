@@ -1,8 +1,0 @@
-//! The glTF import, binary form.
-#![no_main]
-
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| {
-    rrf_fuzz::scene("scene.glb", bytes);
-});

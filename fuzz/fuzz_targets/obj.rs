@@ -1,8 +1,0 @@
-//! The OBJ import.
-#![no_main]
-
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| {
-    rrf_fuzz::scene("scene.obj", bytes);
-});

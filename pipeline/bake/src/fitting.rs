@@ -1,0 +1,203 @@
+//! How a cell is fitted: its rows in memory, or in a scratch file where they are too many.
+
+use crate::checkpoint::Checkpoint;
+use crate::error::BakeError;
+use crate::job::Job;
+use crate::plan::CellPlan;
+use crate::run::Run;
+use crate::split::is_held_out;
+use crate::task::fit_config;
+use crate::work::{each_part, read_cell};
+use rrf_field::columns;
+use rrf_field::model::CellModel;
+use rrf_store::atomic::create_folder;
+use rrf_store::layout::{fit_folder, staging_folder};
+use rrf_store::model::{self, CellMetrics, Domain, Fit, SquareError};
+use rrf_store::samples::SampleTable;
+use rrf_store::{StoreError, atomic};
+use rrf_train::prepare::Samples;
+use rrf_train::spill::{SpillError, fit_spilled};
+use rrf_train::{CellFit, ErrorEstimate, TrainConfig, fit_kept};
+
+/// Fits a cell and writes the fit.
+pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), BakeError> {
+    let (task, cell) = (&job.task, &job.of_cell.plan);
+    let config = fit_config(run, job.shared.mean_luminance, cell);
+    let spills = memory.is_some_and(|memory| task.memory > memory);
+    let keeper = Checkpoint::of(run, task);
+    let earlier = earlier(run, cell)?;
+    let begun = (earlier.as_ref(), &keeper);
+    let (fit, seen) = match spills {
+        true => spilled(run, job, config, begun)?,
+        false => held(run, job, config, begun)?,
+    };
+    let fit = Fit {
+        domain: seen.domain,
+        metrics: metrics(&fit.metrics, seen.noise(), cell.fitted),
+        model: fit.model,
+        task: task.hash.clone(),
+    };
+    let folder = fit_folder(&run.folder, cell.fitted, cell.cell);
+    model::write_fit(&folder, &fit, &run.facts())?;
+    keeper.remove();
+    Ok(())
+}
+
+/// The net that a cell's fit goes on from.
+fn earlier(run: &Run, cell: &CellPlan) -> Result<Option<CellModel>, BakeError> {
+    let Some([round, from]) = cell.earlier else {
+        return Ok(None);
+    };
+    let folder = fit_folder(&run.folder, round, from);
+    Ok(Some(model::read_fit(&folder, &run.facts())?.model))
+}
+
+fn held(
+    run: &Run,
+    job: &Job,
+    config: TrainConfig,
+    (earlier, keeper): (Option<&CellModel>, &Checkpoint),
+) -> Result<(CellFit, Seen), BakeError> {
+    let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
+    let table = read_cell(run, cell)?;
+    let mut seen = Seen::default();
+    seen.add(&table, lambert);
+    let config = seen.config(config);
+    let held_out = held_out(&table, config.seed);
+    let samples = samples(&table, &held_out);
+    let fit = fit_kept(cell.cell, samples, &config, earlier, Some(keeper))?;
+    seen.add_noise(&table, fit.metrics.floor);
+    Ok((fit, seen))
+}
+
+/// The same with one part in memory at a time.
+fn spilled(
+    run: &Run,
+    job: &Job,
+    config: TrainConfig,
+    (earlier, keeper): (Option<&CellModel>, &Checkpoint),
+) -> Result<(CellFit, Seen), BakeError> {
+    let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
+    let mut seen = Seen::default();
+    each_part(run, cell, &mut |table| seen.add(table, lambert))?;
+    let config = seen.config(config);
+    let staging = staging_folder(&run.folder);
+    create_folder(&staging)?;
+    let scratch = atomic::scratch_file(&staging, &format!("scratch-cell={:06}", cell.cell))?;
+    let pass = |see: &mut dyn FnMut(&Samples)| {
+        each_part(run, cell, &mut |table| {
+            let held_out = held_out(table, config.seed);
+            see(&samples(table, &held_out));
+        })
+    };
+    let fit = fit_spilled(cell.cell, pass, &scratch, &config, earlier, Some(keeper)).map_err(
+        |error| match error {
+            SpillError::Train(error) => error.into(),
+            SpillError::Rows(error) => error,
+            SpillError::Scratch(source) => BakeError::Store(StoreError::Io {
+                path: staging.clone(),
+                action: "use a scratch file in",
+                source,
+            }),
+        },
+    )?;
+    each_part(run, cell, &mut |table| {
+        seen.add_noise(table, fit.metrics.floor);
+    })?;
+    Ok((fit, seen))
+}
+
+/// Rows are held out by a hash of their index.
+fn held_out(table: &SampleTable, seed: u64) -> Vec<bool> {
+    let index = table.index.iter();
+    index.map(|&index| is_held_out(seed, index)).collect()
+}
+
+fn samples<'a>(table: &'a SampleTable, held_out: &'a [bool]) -> Samples<'a> {
+    Samples {
+        rows: &table.columns,
+        halves: [&table.halves[0], &table.halves[1]],
+        validation: held_out,
+    }
+}
+
+/// What is told of a cell's rows beside its fit.
+#[derive(Default)]
+struct Seen {
+    /// The box that the rows span, none without rows.
+    domain: Option<Domain>,
+    /// Whether a row lies on a material that is not Lambertian.
+    glossy: bool,
+    /// Sum and number of the finite squared relative standard errors.
+    noise: (f64, usize),
+}
+
+impl Seen {
+    fn add(&mut self, table: &SampleTable, lambert: &[bool]) {
+        let is_lambert = |m: &u32| lambert.get(*m as usize).copied().unwrap_or(false);
+        self.glossy |= !table.material.iter().all(is_lambert);
+        for row in 0..table.len() {
+            let row = table.columns.row(row);
+            let domain = self.domain.get_or_insert(Domain { min: row, max: row });
+            for c in 0..columns::COUNT {
+                domain.min[c] = domain.min[c].min(row[c]);
+                domain.max[c] = domain.max[c].max(row[c]);
+            }
+        }
+    }
+
+    /// The base colour is divided out where all is Lambertian.
+    fn config(&self, config: TrainConfig) -> TrainConfig {
+        TrainConfig {
+            divide_base: !self.glossy,
+            ..config
+        }
+    }
+
+    /// Relative standard error of the targets: Var[(y0 + y1) / 2] = E[(y0 - y1)²] / 4, over the
+    /// same divisor as the relative error.
+    fn add_noise(&mut self, table: &SampleTable, floor: f64) {
+        for row in 0..table.len() {
+            let (a, b) = (table.halves[0][row], table.halves[1][row]);
+            let y = table.mean(row).map(f64::from);
+            let divisor = ((y[0] + y[1] + y[2]) / 3.0).max(floor);
+            let square: f64 = (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum();
+            let square = square / 12.0 / (divisor * divisor);
+            if square.is_finite() {
+                self.noise = (self.noise.0 + square, self.noise.1 + 1);
+            }
+        }
+    }
+
+    fn noise(&self) -> Option<f64> {
+        let (sum, rows) = self.noise;
+        (rows > 0).then(|| (sum / rows as f64).sqrt())
+    }
+}
+
+fn metrics(fit: &rrf_train::CellMetrics, noise: Option<f64>, round: u32) -> CellMetrics {
+    let error = |e: &ErrorEstimate| {
+        (e.rows > 0).then_some(SquareError {
+            mean: e.square,
+            se: e.square_se,
+        })
+    };
+    CellMetrics {
+        cell_id: fit.cell,
+        round,
+        rows: fit.rows as u64,
+        train_rows: fit.train_rows as u64,
+        validation_rows: fit.validation_rows as u64,
+        quarantined_rows: fit.quarantined_rows as u64,
+        iterations: fit.iterations as u32,
+        stop_reason: fit.stop.name().into(),
+        train: error(&fit.train_error),
+        validation: error(&fit.validation_error),
+        noise,
+        effective_parameters: Some(fit.effective_parameters),
+        alpha: fit.alpha,
+        damping: fit.mu,
+        weights: fit.weights as u32,
+        seed: fit.seed,
+    }
+}
