@@ -3,11 +3,13 @@
 use crate::checkpoint::Checkpoint;
 use crate::error::BakeError;
 use crate::job::Job;
+use crate::plan::CellPlan;
 use crate::run::Run;
 use crate::split::is_held_out;
 use crate::task::fit_config;
 use crate::work::{each_part, read_cell};
 use rrf_field::columns;
+use rrf_field::model::CellModel;
 use rrf_store::atomic::create_folder;
 use rrf_store::layout::{fit_folder, staging_folder};
 use rrf_store::model::{self, CellMetrics, Domain, Fit, SquareError};
@@ -15,7 +17,7 @@ use rrf_store::samples::SampleTable;
 use rrf_store::{StoreError, atomic};
 use rrf_train::prepare::Samples;
 use rrf_train::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, ErrorEstimate, TrainConfig, fit_kept};
+use rrf_train::{CellFit, ErrorEstimate, Start, TrainConfig, fit_from};
 
 /// Fits a cell and writes the fit.
 pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), BakeError> {
@@ -23,9 +25,14 @@ pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), Bak
     let config = fit_config(run, job.shared.mean_luminance, cell);
     let spills = memory.is_some_and(|memory| task.memory > memory);
     let keeper = Checkpoint::of(run, task);
+    let earlier = earlier(run, cell)?;
+    let start = Start {
+        earlier: earlier.as_ref(),
+        keeper: Some(&keeper),
+    };
     let (fit, seen) = match spills {
-        true => spilled(run, job, config, &keeper)?,
-        false => held(run, job, config, &keeper)?,
+        true => spilled(run, job, config, start)?,
+        false => held(run, job, config, start)?,
     };
     let fit = Fit {
         domain: seen.domain,
@@ -39,11 +46,20 @@ pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), Bak
     Ok(())
 }
 
+/// The net that a cell's fit goes on from.
+fn earlier(run: &Run, cell: &CellPlan) -> Result<Option<CellModel>, BakeError> {
+    let Some([round, from]) = cell.earlier else {
+        return Ok(None);
+    };
+    let folder = fit_folder(&run.folder, round, from);
+    Ok(Some(model::read_fit(&folder, &run.facts())?.model))
+}
+
 fn held(
     run: &Run,
     job: &Job,
     config: TrainConfig,
-    keeper: &Checkpoint,
+    start: Start,
 ) -> Result<(CellFit, Seen), BakeError> {
     let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
     let table = read_cell(run, cell)?;
@@ -52,7 +68,7 @@ fn held(
     let config = seen.config(config);
     let held_out = held_out(&table, config.seed);
     let samples = samples(&table, &held_out);
-    let fit = fit_kept(cell.cell, samples, &config, Some(keeper))?;
+    let fit = fit_from(start, cell.cell, samples, &config)?;
     seen.add_noise(&table, fit.metrics.floor);
     Ok((fit, seen))
 }
@@ -62,7 +78,7 @@ fn spilled(
     run: &Run,
     job: &Job,
     config: TrainConfig,
-    keeper: &Checkpoint,
+    start: Start,
 ) -> Result<(CellFit, Seen), BakeError> {
     let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
     let mut seen = Seen::default();
@@ -78,17 +94,15 @@ fn spilled(
         })
     };
     let fit =
-        fit_spilled(cell.cell, pass, &scratch, &config, Some(keeper)).map_err(
-            |error| match error {
-                SpillError::Train(error) => error.into(),
-                SpillError::Rows(error) => error,
-                SpillError::Scratch(source) => BakeError::Store(StoreError::Io {
-                    path: staging.clone(),
-                    action: "use a scratch file in",
-                    source,
-                }),
-            },
-        )?;
+        fit_spilled(start, cell.cell, pass, &scratch, &config).map_err(|error| match error {
+            SpillError::Train(error) => error.into(),
+            SpillError::Rows(error) => error,
+            SpillError::Scratch(source) => BakeError::Store(StoreError::Io {
+                path: staging.clone(),
+                action: "use a scratch file in",
+                source,
+            }),
+        })?;
     each_part(run, cell, &mut |table| {
         seen.add_noise(table, fit.metrics.floor);
     })?;

@@ -234,7 +234,12 @@ impl Job {
         let (task, id) = (&self.task, self.task.cell);
         let mut files = vec![format!("samples/cell={id:06}/")];
         match task.stage {
-            Stage::Train => files.push(format!("rounds/{:03}/fits/cell={id:06}/", task.round)),
+            Stage::Train => {
+                let fits = std::iter::once([task.round, id]).chain(self.of_cell.plan.earlier);
+                files.extend(
+                    fits.map(|[round, cell]| format!("rounds/{round:03}/fits/cell={cell:06}/")),
+                );
+            }
             Stage::Extract => {
                 let parts = self.of_cell.plan.parts.iter();
                 let from = parts

@@ -1,15 +1,18 @@
 //! A cell made ready for training: rows split, scaled, and put in a random order.
 
-use crate::checkpoint::{Journal, Keeper};
+use crate::checkpoint::Journal;
 use crate::chunk::Chunk;
 use crate::config::{Mode, TrainConfig};
 use crate::error::TrainError;
-use crate::fit::FitReport;
+use crate::fit::{FitReport, Start};
 use crate::lm::Stop;
 use crate::ordered::{Order, Ordered, Uses};
 use crate::prepare::{self, Noise, Samples};
 use crate::problem::Loss;
 use crate::rows::{CellRows, TakenColumn, Units};
+use crate::warm;
+use rrf_field::columns::Columns;
+use rrf_field::model::{self, CellModel};
 use rrf_field::net::Shape;
 use rrf_field::rng::{Stage, Stream};
 
@@ -33,6 +36,8 @@ pub(crate) struct Cell<'a> {
     pub report: FitReport,
     /// The legs of its fit.
     pub journal: Journal<'a>,
+    /// A net to go on from.
+    pub earlier: Option<&'a CellModel>,
 }
 
 /// What is known of a cell before its rows are.
@@ -102,6 +107,7 @@ impl<'a> Prospect<'a> {
                 dropped_inputs: [self.dropped, unvaried].concat(),
                 ..FitReport::default()
             },
+            earlier: None,
             config,
             raw,
             units,
@@ -127,9 +133,10 @@ impl<'a> Cell<'a> {
         Ok(prospect.cell(raw, uses))
     }
 
-    /// The same with someone who keeps the state of its fit.
-    pub fn kept(mut self, keeper: Option<&'a dyn Keeper>) -> Cell<'a> {
-        self.journal = Journal::new(keeper);
+    /// The same with what its fit goes on from.
+    pub fn from(mut self, start: Start<'a>) -> Cell<'a> {
+        self.earlier = start.earlier;
+        self.journal = Journal::new(start.keeper);
         self
     }
 
@@ -176,6 +183,33 @@ impl<'a> Cell<'a> {
         sizes.extend(hidden);
         sizes.push(crate::tile::CHANNELS);
         Shape { sizes }
+    }
+
+    /// First weights of a net of `shape` that goes on from the earlier one, if there is one
+    /// that it can go on from.
+    pub fn earlier_weights(&self, shape: &Shape) -> Option<Vec<f64>> {
+        if self.train.len() == 0 {
+            return None;
+        }
+        let mut one = Columns::default();
+        let row = |chunk: &Chunk, at: usize| chunk.columns.row(at);
+        one.push(self.raw.show(0, 1, row));
+        let value = |id: u8| {
+            let mut values = Vec::new();
+            model::fill(id, &one, &mut values);
+            values.first().copied().unwrap_or(f32::NAN)
+        };
+        let frame = warm::Frame {
+            inputs: (self.units.inputs.iter())
+                .map(|i| (i.id, i.offset, i.scale))
+                .collect(),
+            scale: self.units.output.scale,
+            offset: self.units.output.offset,
+            divide_base: self.config.divide_base,
+            exponential: self.config.exponential,
+            value: &value,
+        };
+        warm::weights(self.earlier?, &frame, shape, &self.first_weights(shape, 0))
     }
 
     /// First weights: uniform with variance 1 / inputs (LeCun et al. 1998), biases uniform in

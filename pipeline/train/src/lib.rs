@@ -29,6 +29,7 @@ pub mod dense;
 mod descent;
 pub mod error;
 pub mod evidence;
+mod factors;
 pub mod fit;
 pub mod gemm;
 pub mod halves;
@@ -51,10 +52,12 @@ pub mod simd;
 pub mod spill;
 mod streamed;
 pub mod tile;
+mod warm;
 
+pub use blocks::Precision;
 pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
 pub use error::TrainError;
-pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell, fit_kept};
+pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, Start, fit_cell, fit_from};
 pub use halves::ErrorEstimate;
 pub use lm::{LmConfig, Scaling, Stop};
 
