@@ -45,6 +45,8 @@ test: test-setup python engines
 		$(VENV)/bin/python -m pytest -q tests/python
 	RRF=$(abspath $(RRF)) python3 tests/runs/workers.py
 	RRF=$(abspath $(RRF)) python3 tests/runs/kill.py --kills 10
+	RRF=$(abspath $(RRF)) python3 tests/runs/memory.py
+	RRF=$(abspath $(RRF)) python3 tests/runs/full_disk.py
 	RRF=$(abspath $(RRF)) python3 tests/runs/store.py --server $(VENV)/bin/moto_server
 	RRF=$(abspath $(RRF)) $(ENGINES)/bin/python tests/engines/ray_cluster.py
 

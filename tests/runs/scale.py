@@ -75,7 +75,9 @@ def measure(run):
     for what, index in (("extract", middle), ("train", cells + middle), ("done", middle)):
         report(f"a task: {what}", runs.program(), "--threads", 1, "task", "--plan", table, "--index", index)
     report("what is missing", runs.program(), "plan", run, "--missing")
-    for path in sorted(path for path in run.rglob("*") if path.is_file()):
+    chapters = sorted((run / "rounds/000/tasks").iterdir())
+    print(f"{chapters[0].stat().st_size:>12} bytes  the first of {len(chapters)} files of tasks")
+    for path in sorted(path for path in run.rglob("*") if path.is_file() and path not in chapters):
         print(f"{path.stat().st_size:>12} bytes  {path.relative_to(run)}")
 
 

@@ -17,7 +17,7 @@ use rrf_store::samples::SampleTable;
 use rrf_store::{StoreError, atomic};
 use rrf_train::prepare::Samples;
 use rrf_train::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, ErrorEstimate, TrainConfig, fit_kept};
+use rrf_train::{CellFit, ErrorEstimate, Start, TrainConfig, fit_from};
 
 /// Fits a cell and writes the fit.
 pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), BakeError> {
@@ -26,10 +26,13 @@ pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), Bak
     let spills = memory.is_some_and(|memory| task.memory > memory);
     let keeper = Checkpoint::of(run, task);
     let earlier = earlier(run, cell)?;
-    let begun = (earlier.as_ref(), &keeper);
+    let start = Start {
+        earlier: earlier.as_ref(),
+        keeper: Some(&keeper),
+    };
     let (fit, seen) = match spills {
-        true => spilled(run, job, config, begun)?,
-        false => held(run, job, config, begun)?,
+        true => spilled(run, job, config, start)?,
+        false => held(run, job, config, start)?,
     };
     let fit = Fit {
         domain: seen.domain,
@@ -56,7 +59,7 @@ fn held(
     run: &Run,
     job: &Job,
     config: TrainConfig,
-    (earlier, keeper): (Option<&CellModel>, &Checkpoint),
+    start: Start,
 ) -> Result<(CellFit, Seen), BakeError> {
     let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
     let table = read_cell(run, cell)?;
@@ -65,7 +68,7 @@ fn held(
     let config = seen.config(config);
     let held_out = held_out(&table, config.seed);
     let samples = samples(&table, &held_out);
-    let fit = fit_kept(cell.cell, samples, &config, earlier, Some(keeper))?;
+    let fit = fit_from(start, cell.cell, samples, &config)?;
     seen.add_noise(&table, fit.metrics.floor);
     Ok((fit, seen))
 }
@@ -75,7 +78,7 @@ fn spilled(
     run: &Run,
     job: &Job,
     config: TrainConfig,
-    (earlier, keeper): (Option<&CellModel>, &Checkpoint),
+    start: Start,
 ) -> Result<(CellFit, Seen), BakeError> {
     let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
     let mut seen = Seen::default();
@@ -90,8 +93,8 @@ fn spilled(
             see(&samples(table, &held_out));
         })
     };
-    let fit = fit_spilled(cell.cell, pass, &scratch, &config, earlier, Some(keeper)).map_err(
-        |error| match error {
+    let fit =
+        fit_spilled(start, cell.cell, pass, &scratch, &config).map_err(|error| match error {
             SpillError::Train(error) => error.into(),
             SpillError::Rows(error) => error,
             SpillError::Scratch(source) => BakeError::Store(StoreError::Io {
@@ -99,8 +102,7 @@ fn spilled(
                 action: "use a scratch file in",
                 source,
             }),
-        },
-    )?;
+        })?;
     each_part(run, cell, &mut |table| {
         seen.add_noise(table, fit.metrics.floor);
     })?;

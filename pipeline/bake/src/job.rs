@@ -236,9 +236,9 @@ impl Job {
         match task.stage {
             Stage::Train => {
                 let fits = std::iter::once([task.round, id]).chain(self.of_cell.plan.earlier);
-                let name =
-                    |[round, cell]: [u32; 2]| format!("rounds/{round:03}/fits/cell={cell:06}/");
-                files.extend(fits.map(name));
+                files.extend(
+                    fits.map(|[round, cell]| format!("rounds/{round:03}/fits/cell={cell:06}/")),
+                );
             }
             Stage::Extract => {
                 let parts = self.of_cell.plan.parts.iter();

@@ -1,10 +1,10 @@
 //! A cell made ready for training: rows split, scaled, and put in a random order.
 
-use crate::checkpoint::{Journal, Keeper};
+use crate::checkpoint::Journal;
 use crate::chunk::Chunk;
 use crate::config::{Mode, TrainConfig};
 use crate::error::TrainError;
-use crate::fit::FitReport;
+use crate::fit::{FitReport, Start};
 use crate::lm::Stop;
 use crate::ordered::{Order, Ordered, Uses};
 use crate::prepare::{self, Noise, Samples};
@@ -34,10 +34,10 @@ pub(crate) struct Cell<'a> {
     pub train: CellRows<'a>,
     pub validation: CellRows<'a>,
     pub report: FitReport,
-    /// A net to go on from.
-    pub earlier: Option<&'a CellModel>,
     /// The legs of its fit.
     pub journal: Journal<'a>,
+    /// A net to go on from.
+    pub earlier: Option<&'a CellModel>,
 }
 
 /// What is known of a cell before its rows are.
@@ -133,14 +133,10 @@ impl<'a> Cell<'a> {
         Ok(prospect.cell(raw, uses))
     }
 
-    /// The same with a net to go on from and someone who keeps the state of its fit.
-    pub fn kept(
-        mut self,
-        earlier: Option<&'a CellModel>,
-        keeper: Option<&'a dyn Keeper>,
-    ) -> Cell<'a> {
-        self.earlier = earlier;
-        self.journal = Journal::new(keeper);
+    /// The same with what its fit goes on from.
+    pub fn from(mut self, start: Start<'a>) -> Cell<'a> {
+        self.earlier = start.earlier;
+        self.journal = Journal::new(start.keeper);
         self
     }
 
@@ -192,20 +188,19 @@ impl<'a> Cell<'a> {
     /// First weights of a net of `shape` that goes on from the earlier one, if there is one
     /// that it can go on from.
     pub fn earlier_weights(&self, shape: &Shape) -> Option<Vec<f64>> {
-        let earlier = self.earlier?;
-        let first = self.raw.show(0, 1, |chunk, at| chunk.columns.row(at));
+        if self.train.len() == 0 {
+            return None;
+        }
+        let mut one = Columns::default();
+        let row = |chunk: &Chunk, at: usize| chunk.columns.row(at);
+        one.push(self.raw.show(0, 1, row));
         let value = |id: u8| {
-            let mut one = Columns::default();
-            one.push(first);
             let mut values = Vec::new();
             model::fill(id, &one, &mut values);
             values.first().copied().unwrap_or(f32::NAN)
         };
         let frame = warm::Frame {
-            inputs: self
-                .units
-                .inputs
-                .iter()
+            inputs: (self.units.inputs.iter())
                 .map(|i| (i.id, i.offset, i.scale))
                 .collect(),
             scale: self.units.output.scale,
@@ -214,7 +209,7 @@ impl<'a> Cell<'a> {
             exponential: self.config.exponential,
             value: &value,
         };
-        warm::weights(earlier, &frame, shape, &self.first_weights(shape, 0))
+        warm::weights(self.earlier?, &frame, shape, &self.first_weights(shape, 0))
     }
 
     /// First weights: uniform with variance 1 / inputs (LeCun et al. 1998), biases uniform in

@@ -109,21 +109,34 @@ pub fn fit_cell(
         halves,
         validation,
     };
-    fit_kept(cell, samples, config, None, None)
+    fit_from(Start::default(), cell, samples, config)
 }
 
-/// [`fit_cell`] that goes on from an earlier net, of a cell around this one or of fewer rows, where
-/// the two are of one kind and the earlier one is no larger, otherwise from random weights; and with
-/// someone who keeps its state: a fit that was cut off goes on where it was, with the same result.
-pub fn fit_kept(
+/// What a fit goes on from.
+#[derive(Clone, Copy, Default)]
+pub struct Start<'a> {
+    /// A net of a cell around this one or of fewer rows; used where the two are of one kind and
+    /// the earlier one is no larger.
+    pub earlier: Option<&'a CellModel>,
+    /// Who keeps the state of the fit: one that was cut off goes on where it was, with the same
+    /// result.
+    pub keeper: Option<&'a dyn Keeper>,
+}
+
+/// [`fit_cell`] that goes on from something.
+///
+/// # Errors
+/// As [`fit_cell`].
+pub fn fit_from(
+    start: Start,
     cell: u32,
     samples: Samples,
     config: &TrainConfig,
-    earlier: Option<&CellModel>,
-    keeper: Option<&dyn Keeper>,
 ) -> Result<CellFit, TrainError> {
-    let prepared = Cell::new(cell, samples, config)?.kept(earlier, keeper);
-    Ok(fit_prepared(cell, prepared))
+    Ok(fit_prepared(
+        cell,
+        Cell::new(cell, samples, config)?.from(start),
+    ))
 }
 
 pub(crate) fn fit_prepared(cell: u32, prepared: Cell) -> CellFit {

@@ -57,7 +57,7 @@ mod warm;
 pub use blocks::Precision;
 pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
 pub use error::TrainError;
-pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell, fit_kept};
+pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, Start, fit_cell, fit_from};
 pub use halves::ErrorEstimate;
 pub use lm::{LmConfig, Scaling, Stop};
 

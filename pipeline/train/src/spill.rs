@@ -4,15 +4,13 @@
 //! The sums are those of [`crate::fit_cell`], term by term, and so are the bits of the result.
 
 use crate::cell::Prospect;
-use crate::checkpoint::Keeper;
 use crate::chunk::Chunk;
 use crate::config::TrainConfig;
 use crate::error::TrainError;
-use crate::fit::{CellFit, fit_prepared};
+use crate::fit::{CellFit, Start, fit_prepared};
 use crate::ordered::{Ordered, Uses};
 use crate::prepare::Samples;
 use crate::scratch::Scratch;
-use rrf_field::model::CellModel;
 use std::fs::File;
 use std::io;
 use std::rc::Rc;
@@ -37,15 +35,14 @@ pub enum SpillError<E: std::error::Error + 'static> {
     Scratch(io::Error),
 }
 
-/// [`crate::fit_cell`] with rows that `pass` hands on piece by piece, the same at every call, and
+/// [`crate::fit_from`] with rows that `pass` hands on piece by piece, the same at every call, and
 /// `scratch`, an empty file open for reading and writing, to keep them in.
 pub fn fit_spilled<E: std::error::Error>(
+    start: Start,
     cell: u32,
     pass: impl Fn(&mut dyn FnMut(&Samples)) -> Result<(), E>,
     scratch: &File,
     config: &TrainConfig,
-    earlier: Option<&CellModel>,
-    keeper: Option<&dyn Keeper>,
 ) -> Result<CellFit, SpillError<E>> {
     let prospect = Prospect::new(cell, config)?;
     let mut order = prospect.order();
@@ -63,7 +60,7 @@ pub fn fit_spilled<E: std::error::Error>(
     let scratch = Rc::new(Scratch::new(scratch, used));
     fill(&scratch, &uses, pass)?;
     let raw = Ordered::Spilled(scratch.clone());
-    let fit = fit_prepared(cell, prospect.cell(raw, uses).kept(earlier, keeper));
+    let fit = fit_prepared(cell, prospect.cell(raw, uses).from(start));
     match scratch.failure() {
         Some(failure) => Err(SpillError::Scratch(failure)),
         None => Ok(fit),

@@ -49,7 +49,7 @@ proptest! {
                 let task = &tasks[index % tasks.len()];
                 match lost {
                     true => lose(run, task),
-                    false => match perform(run, plan, Some(site), task) {
+                    false => match perform(run, plan, Some(site), task, None) {
                         Ok(()) => prop_assert!(rrf_bake::is_done(run, task).unwrap()),
                         Err(BakeError::NotExtracted { .. }) => {
                             prop_assert_eq!(task.stage, Stage::Train);

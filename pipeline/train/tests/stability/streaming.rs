@@ -5,7 +5,7 @@ use rrf_field::columns::Columns;
 use rrf_train::checkpoint::Keeper;
 use rrf_train::prepare::Samples;
 use rrf_train::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, Size, TrainConfig, fit_kept};
+use rrf_train::{CellFit, Size, Start, TrainConfig, fit_from};
 use std::cell::RefCell;
 use std::fs::File;
 use std::io;
@@ -19,6 +19,13 @@ fn cell(noise: f64) -> Cell {
     cell.halves[0][17][1] = f32::NAN;
     cell.halves[1][5003][0] = f32::INFINITY;
     cell
+}
+
+fn kept(keeper: Option<&dyn Keeper>) -> Start<'_> {
+    Start {
+        earlier: None,
+        keeper,
+    }
 }
 
 fn samples(cell: &Cell) -> Samples<'_> {
@@ -49,7 +56,14 @@ fn spilled(cell: &Cell, rows: usize, config: &TrainConfig, keeper: Option<&dyn K
         pieces(cell, rows, see);
         Ok::<(), io::Error>(())
     };
-    fit_spilled(0, pass, &tempfile::tempfile().unwrap(), config, keeper).unwrap()
+    fit_spilled(
+        kept(keeper),
+        0,
+        pass,
+        &tempfile::tempfile().unwrap(),
+        config,
+    )
+    .unwrap()
 }
 
 fn assert_same(a: &CellFit, b: &CellFit) {
@@ -88,11 +102,28 @@ fn a_file_of_rows_gives_the_bits_of_rows_in_memory() {
             mean_luminance: None,
             ..config()
         };
-        let held = fit_kept(0, samples(&cell), &config, None).unwrap();
+        let held = fit_from(kept(None), 0, samples(&cell), &config).unwrap();
         assert_eq!(held.metrics.quarantined_rows, 2);
         for rows in [ROWS, 1000] {
             assert_same(&spilled(&cell, rows, &config, None), &held);
         }
+        // going on from a net
+        let unpruned = TrainConfig {
+            prune: None,
+            ..config
+        };
+        let start = Start {
+            earlier: Some(&held.model),
+            keeper: None,
+        };
+        let further = fit_from(start, 0, samples(&cell), &unpruned).unwrap();
+        let pass = |see: &mut dyn FnMut(&Samples)| {
+            pieces(&cell, 700, see);
+            Ok::<(), io::Error>(())
+        };
+        let file = tempfile::tempfile().unwrap();
+        let from_file = fit_spilled(start, 0, pass, &file, &unpruned).unwrap();
+        assert_same(&from_file, &further);
     }
 }
 
@@ -106,12 +137,12 @@ fn a_file_that_cannot_be_used_is_an_error() {
         pieces(&cell, ROWS, see);
         Ok::<(), io::Error>(())
     };
-    let found = fit_spilled(0, pass, &File::open(&path).unwrap(), &config(), None);
+    let found = fit_spilled(kept(None), 0, pass, &File::open(&path).unwrap(), &config());
     assert!(matches!(found, Err(SpillError::Scratch(_))));
     // cut short behind the fit's back
     let file = tempfile::tempfile().unwrap();
     let cutting = Cutting(&file);
-    let found = fit_spilled(0, pass, &file, &config(), Some(&cutting));
+    let found = fit_spilled(kept(Some(&cutting)), 0, pass, &file, &config());
     assert!(matches!(found, Err(SpillError::Scratch(_))), "{found:?}");
 }
 
@@ -159,10 +190,10 @@ impl Keeper for Album {
 fn a_fit_goes_on_from_any_of_its_states() {
     let cell = cell(0.02);
     let config = config();
-    let whole = fit_kept(0, samples(&cell), &config, None).unwrap();
+    let whole = fit_from(kept(None), 0, samples(&cell), &config).unwrap();
     let album = Album::default();
     assert_same(
-        &fit_kept(0, samples(&cell), &config, Some(&album)).unwrap(),
+        &fit_from(kept(Some(&album)), 0, samples(&cell), &config).unwrap(),
         &whole,
     );
     let states = album.states.into_inner();
@@ -173,7 +204,7 @@ fn a_fit_goes_on_from_any_of_its_states() {
             ..Album::default()
         };
         assert_same(
-            &fit_kept(0, samples(&cell), &config, Some(&album)).unwrap(),
+            &fit_from(kept(Some(&album)), 0, samples(&cell), &config).unwrap(),
             &whole,
         );
         assert_eq!(album.states.into_inner(), states[at..]);
@@ -196,9 +227,9 @@ fn a_state_of_another_fit_is_not_used() {
         ..config()
     };
     let album = Album::default();
-    fit_kept(0, samples(&cell), &other, Some(&album)).unwrap();
+    fit_from(kept(Some(&album)), 0, samples(&cell), &other).unwrap();
     let states = album.states.into_inner();
-    let whole = fit_kept(0, samples(&cell), &config(), None).unwrap();
+    let whole = fit_from(kept(None), 0, samples(&cell), &config()).unwrap();
     for first in [
         &states[0],
         &states[states.len() / 2],
@@ -210,7 +241,7 @@ fn a_state_of_another_fit_is_not_used() {
             ..Album::default()
         };
         assert_same(
-            &fit_kept(0, samples(&cell), &config(), Some(&album)).unwrap(),
+            &fit_from(kept(Some(&album)), 0, samples(&cell), &config()).unwrap(),
             &whole,
         );
     }

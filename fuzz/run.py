@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+"""Builds the fuzz targets and runs them for a stated CPU time; the figures of docs/fuzzing.md.
+
+Needs a nightly compiler and a C++ compiler, not the tool cargo-fuzz (which adds the same flags).
+Inputs come from `seeds/` and `kept/`, new ones go to `corpus/`; `--keep` makes `kept/` the
+smallest set of inputs that covers what all of them cover. A crash, a hang of 20 s or a request for
+more than 512 MB leaves the input in `artifacts/` and ends the target.
+
+    python3 fuzz/run.py --minutes 30
+    python3 fuzz/run.py --minutes 30 --keep pbrt gltf
+"""
+
+import argparse
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+TARGETS = ["pbrt", "gltf", "parquet", "arrow", "small"]
+LONGEST = {"parquet": 131072, "arrow": 65536}
+TRIPLE = "x86_64-unknown-linux-gnu"
+COVERAGE = ["level=4", "inline-8bit-counters", "pc-table", "trace-compares"]
+FLAGS = [
+    "-Cpasses=sancov-module",
+    *[f"-Cllvm-args=-sanitizer-coverage-{word}" for word in COVERAGE],
+    "-Cllvm-args=-simplifycfg-branch-fold-threshold=0",
+    "-Zsanitizer=address",
+    "-Cdebug-assertions",
+    "-Ccodegen-units=1",
+    "--cfg=fuzzing",
+]
+# one allocation and all of them; the sanitizer's own memory is some three times the program's
+LIMITS = ["-timeout=20", "-malloc_limit_mb=512", "-rss_limit_mb=2048"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--minutes", type=float, default=30, help="CPU time of each target")
+    parser.add_argument("--keep", action="store_true", help="minimise the corpus into kept/")
+    parser.add_argument("--no-build", action="store_true")
+    parser.add_argument("targets", nargs="*", default=TARGETS)
+    options = parser.parse_args()
+    if not options.no_build:
+        build()
+    failed = 0
+    for target in options.targets:
+        failed += fuzz(target, 60 * options.minutes)
+        if options.keep:
+            keep(target)
+    sys.exit(failed)
+
+
+def folder():
+    return Path(os.environ.get("CARGO_TARGET_DIR", HERE / "target"))
+
+
+def build():
+    environment = {**os.environ, "RUSTFLAGS": " ".join(FLAGS), "CARGO_TARGET_DIR": str(folder())}
+    words = ["cargo", "+nightly", "build", "--release", "--target", TRIPLE, "--bins"]
+    subprocess.run(words, cwd=HERE, env=environment, check=True)
+
+
+def program(target):
+    return folder() / TRIPLE / "release" / target
+
+
+def inputs(target):
+    corpus = HERE / "corpus" / target
+    corpus.mkdir(parents=True, exist_ok=True)
+    given = [HERE / "seeds" / target, HERE / "kept" / target]
+    return corpus, [path for path in given if path.is_dir()]
+
+
+def fuzz(target, seconds):
+    """Runs a target until it has used that much CPU time; 1 where it found something."""
+    corpus, given = inputs(target)
+    artifacts = HERE / "artifacts" / target
+    artifacts.mkdir(parents=True, exist_ok=True)
+    log = HERE / "artifacts" / f"{target}.log"
+    words = [program(target), *LIMITS, f"-max_len={LONGEST.get(target, 16384)}", "-print_final_stats=1"]
+    words += [f"-artifact_prefix={artifacts}/", corpus, *given]
+    start = time.monotonic()
+    with log.open("w") as out:
+        process = subprocess.Popen([str(w) for w in words], stdout=out, stderr=out)
+        while process.poll() is None and cpu_seconds(process.pid) < seconds:
+            time.sleep(1)
+        used = cpu_seconds(process.pid) if process.poll() is None else None
+        if used is not None:
+            process.send_signal(signal.SIGINT)
+        process.wait()
+    text = log.read_text(errors="replace")
+    found = re.findall(r"#(\d+)\s+\w+\s+cov: (\d+) ft: (\d+) corp: (\d+)/", text)
+    executions, edges, features, kept = found[-1] if found else ("0",) * 4
+    peak = re.findall(r"stat::peak_rss_mb:\s+(\d+)", text)
+    print(
+        f"{target}: {'ended by a finding' if used is None else f'{used / 60:.1f} CPU minutes'}, "
+        f"{time.monotonic() - start:.0f} s, {executions} executions, {edges} edges, {features} "
+        f"features, {kept} inputs, peak {peak[-1] if peak else '?'} MB",
+        flush=True,
+    )
+    return int(used is None)
+
+
+def cpu_seconds(pid):
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    except FileNotFoundError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def keep(target):
+    corpus, given = inputs(target)
+    least = HERE / "kept" / f"{target}.new"
+    shutil.rmtree(least, ignore_errors=True)
+    least.mkdir(parents=True)
+    words = [program(target), "-merge=1", least, corpus, *given]
+    subprocess.run([str(w) for w in words], check=True, stderr=subprocess.DEVNULL)
+    shutil.rmtree(HERE / "kept" / target, ignore_errors=True)
+    least.rename(HERE / "kept" / target)
+    files = [path.stat().st_size for path in (HERE / "kept" / target).iterdir()]
+    print(f"{target}: {len(files)} inputs kept, {sum(files)} bytes")
+
+
+if __name__ == "__main__":
+    main()
