@@ -77,11 +77,8 @@ fn wrong_calls() {
         &["--index", "SLURM_ARRAY_TASK_ID"],
     );
     refused(&["plan", &scene], &["not a run folder"]);
-    std::fs::write(&plan, "nothing").unwrap();
-    refused(
-        &["task", "--plan", &plan, "--index", "0"],
-        &["tasks.parquet"],
-    );
+    std::fs::write(place.path("run/rounds/000/tasks/00000.json"), "nothing").unwrap();
+    refused(&["task", "--plan", &plan, "--index", "0"], &["00000.json"]);
     done(&["plan", &run]);
     done(&["task", "--plan", &plan, "--index", "0"]);
 }

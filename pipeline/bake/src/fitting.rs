@@ -8,7 +8,6 @@ use crate::run::Run;
 use crate::split::is_held_out;
 use crate::task::fit_config;
 use crate::work::{each_part, read_cell};
-use rrf_field::columns;
 use rrf_field::model::CellModel;
 use rrf_store::atomic::create_folder;
 use rrf_store::layout::{fit_folder, staging_folder};
@@ -141,9 +140,9 @@ impl Seen {
         for row in 0..table.len() {
             let row = table.columns.row(row);
             let domain = self.domain.get_or_insert(Domain { min: row, max: row });
-            for c in 0..columns::COUNT {
-                domain.min[c] = domain.min[c].min(row[c]);
-                domain.max[c] = domain.max[c].max(row[c]);
+            for (c, x) in row.into_iter().enumerate() {
+                domain.min[c] = domain.min[c].min(x);
+                domain.max[c] = domain.max[c].max(x);
             }
         }
     }

@@ -179,12 +179,12 @@ impl Job {
         })
     }
 
-    /// A task of a round by its id, read from its file; none beyond the last.
+    /// A task of a round by its id, read from its file; beyond the last the number of tasks.
     ///
     /// # Errors
     /// [`BakeError::Plan`] for a file that is missing, damaged, of another run or of another
     /// version of the program; [`BakeError::Store`].
-    pub fn read(run: &Run, round: u32, id: u32) -> Result<Option<Job>, BakeError> {
+    pub fn read(run: &Run, round: u32, id: u32) -> Result<Result<Job, u32>, BakeError> {
         let wrong = |reason: &str| BakeError::Plan {
             round,
             reason: format!("task {id}: {reason}. Write the plan anew with `rrf plan RUN`"),
@@ -194,12 +194,12 @@ impl Job {
             // beyond the last file, or lost
             let tasks = chapter(0)?.map(|first| first.tasks);
             return match tasks {
-                Some(tasks) if id >= tasks => Ok(None),
+                Some(tasks) if id >= tasks => Ok(Err(tasks)),
                 _ => Err(wrong("the plan's file is missing")),
             };
         };
         if id >= found.tasks {
-            return Ok(None);
+            return Ok(Err(found.tasks));
         }
         let at = id.checked_sub(found.first).map(|at| at as usize);
         let entry = at.and_then(|at| found.entries.get(at));
@@ -225,7 +225,7 @@ impl Job {
         if !same_run || hash != Some(&job.task.hash) {
             return Err(wrong("it is not one of this run any more"));
         }
-        Ok(Some(job))
+        Ok(Ok(job))
     }
 
     /// Beginnings of the names of the files that the task reads and writes, relative to the run:

@@ -96,10 +96,11 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
     let place = Place::task(&run_path)?;
     place.pull(|name| name == "run.json" || name == own || name == first)?;
     let run = Run::open(place.folder())?;
-    let job = Job::read(&run, round, index)?.ok_or_else(|| {
+    let job = Job::read(&run, round, index)?.map_err(|tasks| {
         BadInput(format!(
-            "{}: task {index}: the plan has fewer tasks",
-            args.plan.display()
+            "{}: task {index}: the plan has tasks 0 to {}",
+            args.plan.display(),
+            tasks.saturating_sub(1)
         ))
     })?;
     let (needed, task) = (job.files(), &job.task);

@@ -63,7 +63,7 @@ impl<'a> Prospect<'a> {
 
     /// Before the first row.
     pub fn order(&self) -> Order {
-        Order::new((self.config.mode == Mode::Local).then(|| self.stream.clone()))
+        Order::new((self.config.mode == Mode::Local).then_some(self.stream))
     }
 
     /// The cell's next rows.
@@ -129,7 +129,7 @@ impl<'a> Cell<'a> {
         let mut order = prospect.order();
         prospect.add(&samples, &mut order);
         let uses = order.finish();
-        let raw = Ordered::Held(Chunk::gathered(&samples, uses.in_order()));
+        let raw = Ordered::Held(Box::new(Chunk::gathered(&samples, uses.in_order())));
         Ok(prospect.cell(raw, uses))
     }
 

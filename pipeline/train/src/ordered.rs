@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 /// Where the rows are.
 pub(crate) enum Ordered<'a> {
-    Held(Chunk),
+    Held(Box<Chunk>),
     Spilled(Rc<Scratch<'a>>),
 }
 

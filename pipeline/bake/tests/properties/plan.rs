@@ -77,3 +77,17 @@ proptest! {
         })?;
     }
 }
+
+/// The run that the fuzz targets read tables of opens: a setting that is added goes there too.
+#[test]
+fn the_fuzz_targets_run_opens() {
+    let seed = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../fuzz/seeds/small/run.json"
+    );
+    let bytes = std::fs::read(seed).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    // a byte before it says which reader it is for
+    std::fs::write(folder.path().join("run.json"), &bytes[1..]).unwrap();
+    rrf_bake::Run::open(folder.path()).unwrap();
+}
