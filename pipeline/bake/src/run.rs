@@ -160,6 +160,8 @@ impl Run {
         let path = task_table_path(&self.folder, plan.round);
         create_folder(&round_folder(&self.folder, plan.round))?;
         write_tasks(&path, &task_rows(self, plan)?, &self.facts())?;
+        // of another plan of this round
+        remove_file(&crate::seconds::path(self, plan.round))?;
         write_json(&self.round_file(plan.round, "plan.json"), plan)
     }
 
@@ -253,7 +255,9 @@ fn removed(path: &Path, result: std::io::Result<()>) -> Result<(), StoreError> {
     }
 }
 
-fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Option<T>, BakeError> {
+pub(crate) fn read_json<T: serde::de::DeserializeOwned>(
+    path: &Path,
+) -> Result<Option<T>, BakeError> {
     let text = match std::fs::read(path) {
         Ok(text) => text,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -270,7 +274,7 @@ fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Option<T>, B
     Ok(Some(value))
 }
 
-fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BakeError> {
+pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BakeError> {
     let mut text = serde_json::to_vec(value).map_err(|error| corrupt(path, error.to_string()))?;
     text.push(b'\n');
     if let Some(folder) = path.parent() {

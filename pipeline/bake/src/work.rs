@@ -10,11 +10,11 @@ use rrf_field::columns::{self, Columns};
 use rrf_field::tree::{self, Tree};
 use rrf_scene::Scene;
 use rrf_store::layout::{fit_folder, list_parts, part_path};
-use rrf_store::model::{self, CellMetrics, Domain, Fit, SquareError};
+use rrf_store::model::{self, CellMetrics, Domain, Fit, FitStep, SquareError};
 use rrf_store::parts;
 use rrf_store::samples::SampleTable;
 use rrf_trace::Tracer;
-use rrf_train::{ErrorEstimate, TrainConfig, fit_cell};
+use rrf_train::{ErrorEstimate, HistoryRow, TrainConfig, fit_cell};
 
 /// A scene ready to be sampled. Training needs none.
 pub struct Site<'a> {
@@ -186,6 +186,7 @@ pub(crate) fn read_cell(run: &Run, cell: &CellPlan) -> Result<SampleTable, BakeE
 fn train(run: &Run, plan: &RoundPlan, cell: &CellPlan, hash: &str) -> Result<(), BakeError> {
     let table = read_cell(run, cell)?;
     let fit = fit(&table, &plan.lambert, &fit_config(run, plan, cell))?;
+    let steps: Vec<FitStep> = fit.report.history.iter().map(step).collect();
     let fit = Fit {
         domain: span(&table.columns),
         metrics: metrics(&fit.metrics, &table, cell.fitted),
@@ -193,7 +194,20 @@ fn train(run: &Run, plan: &RoundPlan, cell: &CellPlan, hash: &str) -> Result<(),
         task: hash.into(),
     };
     let folder = fit_folder(&run.folder, cell.fitted, cell.cell);
+    model::write_steps(&folder, &steps, &run.facts())?;
     Ok(model::write_fit(&folder, &fit, &run.facts())?)
+}
+
+fn step(row: &HistoryRow) -> FitStep {
+    let known = |x: f64| x.is_finite().then_some(x);
+    FitStep {
+        step: row.iteration as u32,
+        residuals: row.residuals as u64,
+        cost: known(row.cost),
+        square_error: known(row.validation),
+        damping: row.mu,
+        gain: known(row.gain),
+    }
 }
 
 /// One cell's fit; rows are held out by a hash of their index.
