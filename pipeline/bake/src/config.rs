@@ -2,7 +2,7 @@
 
 use rrf_extract::{ExtractConfig, LightBox, Weights};
 use rrf_scene::{LightUnits, LoadOptions};
-use rrf_train::TrainConfig;
+use rrf_train::{Precision, TrainConfig};
 use serde::{Deserialize, Serialize};
 
 /// How much work a bake does.
@@ -43,7 +43,7 @@ impl BakeConfig {
     pub fn preset(preset: Preset, light_box: LightBox, seed: u64) -> BakeConfig {
         let (cells, rows, paths, rounds, most_cells) = match preset {
             Preset::Preview => (16, 40_000, 64, 1, 16),
-            Preset::Standard => (48, 300_000, 256, 8, 300),
+            Preset::Standard => (48, 300_000, 128, 8, 300),
             Preset::Fine => (128, 1_000_000, 256, 12, 4096),
         };
         BakeConfig {
@@ -66,6 +66,7 @@ impl BakeConfig {
             train: TrainConfig {
                 seed,
                 exponential: true,
+                precision: Precision::Single,
                 ..TrainConfig::default()
             },
         }

@@ -21,6 +21,7 @@ mod lamp_light;
 mod lamps;
 mod locate;
 mod math;
+mod mirrors;
 mod rays;
 pub mod rng;
 mod shading;

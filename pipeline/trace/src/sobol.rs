@@ -6,9 +6,9 @@
 //! on top makes every point exactly uniform whatever the quality of the hash.
 
 /// How many dimensions there are.
-pub const DIMENSIONS: usize = 10;
+pub const DIMENSIONS: usize = 12;
 
-/// Degree, polynomial and first direction numbers of dimensions 2 to 10.
+/// Degree, polynomial and first direction numbers of dimensions 2 to 12.
 const JOE_KUO: [(usize, u32, [u32; 5]); DIMENSIONS - 1] = [
     (1, 0, [1, 0, 0, 0, 0]),
     (2, 1, [1, 3, 0, 0, 0]),
@@ -19,6 +19,8 @@ const JOE_KUO: [(usize, u32, [u32; 5]); DIMENSIONS - 1] = [
     (5, 2, [1, 1, 5, 5, 17]),
     (5, 4, [1, 1, 5, 5, 5]),
     (5, 7, [1, 1, 7, 11, 19]),
+    (5, 11, [1, 1, 5, 1, 1]),
+    (5, 13, [1, 1, 1, 3, 11]),
 ];
 
 /// The first points of the plain sequence, bits reversed (the first digit lowest), as the

@@ -5,6 +5,7 @@ use crate::bsdf::Bsdf;
 use crate::check::check;
 use crate::facets::{Facet, constants};
 use crate::lamps::Lamps;
+use crate::mirrors::Mirrors;
 use crate::rays::{self, Hits, Rays};
 use crate::walk::Wide;
 use glam::Vec3;
@@ -36,6 +37,8 @@ pub struct Tracer<'s> {
     pub(crate) area_cdf: Vec<f64>,
     /// The triangles that emit.
     pub(crate) lamps: Lamps,
+    /// Its flat glossy surfaces.
+    pub(crate) mirrors: Mirrors,
 }
 
 impl<'s> Tracer<'s> {
@@ -44,10 +47,12 @@ impl<'s> Tracer<'s> {
         check(scene)?;
         let count = scene.triangles.len();
         let (mut facets, mut area_cdf) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut areas = Vec::with_capacity(count);
         let (mut kept, mut corners, mut total) = (Vec::new(), Vec::new(), 0.0);
         for id in 0..count {
             let (facet, area) = Facet::new(scene, id);
             facets.push(facet);
+            areas.push(area);
             total += area;
             area_cdf.push(total);
             if area > 0.0 {
@@ -65,6 +70,7 @@ impl<'s> Tracer<'s> {
             wide: Wide::new(&bvh, &corners, &kept),
             bvh,
             kept,
+            mirrors: Mirrors::new(scene, &facets, &areas),
             facets,
             mixed: materials.iter().any(|m| m.kind != MaterialKind::Lambert),
             materials,

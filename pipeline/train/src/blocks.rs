@@ -11,10 +11,11 @@
 //! the pairs (j,k) and the pairs (a,b). Where p = q both sets of pairs are symmetric and only
 //! the upper triangles are kept. The output layer is linear: its g_cj is s_c where c = j.
 
-use crate::gemm::{self, PAD_A, PAD_B};
-use crate::products::{self, Packed, STEP};
-use crate::simd::TILE;
+use crate::factors::Factors;
+use crate::gemm::{PAD_A, PAD_B};
+use crate::simd::{Lane, TILE, dot};
 use crate::tile::{CHANNELS, Tile};
+use serde::{Deserialize, Serialize};
 
 /// Gauss-Newton normal equations: matrix JᵀWJ (symmetric, full, row-major) and vector JᵀWr.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,9 +39,10 @@ impl Normal {
     }
 }
 
-/// Products of one pair of layers over the rows: C = Aᵀ B.
+/// Products of the layers p ≥ q over the rows: C = Aᵀ B.
 struct Block {
-    kind: Kind,
+    p: usize,
+    q: usize,
     /// Columns of A and B in use.
     m: usize,
     n: usize,
@@ -49,12 +51,21 @@ struct Block {
     sums: Vec<f64>,
 }
 
-#[derive(Clone, Copy)]
-enum Kind {
-    /// Layers p > q, or p = q hidden; p may be the output layer.
-    Pair { p: usize, q: usize },
-    /// JᵀWr of layer l.
-    Gradient { l: usize },
+/// What the numbers are that JᵀWJ is multiplied from. JᵀWr is always summed in f64.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Precision {
+    /// f64.
+    #[default]
+    Double,
+    /// f32 products and sums of [`TILE`] rows, f64 from there on: some 1e-7 of the largest entries,
+    /// which bends steps where the curvature is below that share of the largest. The gradient, the
+    /// cost and thus the minimum are those of [`Precision::Double`].
+    Single,
+}
+
+enum Products {
+    Double(Factors<f64>),
+    Single(Factors<f32>),
 }
 
 /// Sums the normal equations tile by tile.
@@ -64,14 +75,9 @@ pub struct Accumulator {
     sizes: Vec<usize>,
     offsets: Vec<usize>,
     blocks: Vec<Block>,
-    /// Row-major copies `[row][1, z_1, ...]` of the inputs of each layer.
-    z: Vec<Packed>,
-    /// Row-major copies of the gradients, one a layer and channel.
-    g: Vec<Vec<Packed>>,
-    /// Σ_c r_c g_c of each layer.
-    u: Vec<Packed>,
-    a: Vec<f64>,
-    b: Vec<f64>,
+    products: Products,
+    /// JᵀWr of each layer, `[units, inputs + 1]`.
+    gradients: Vec<Vec<f64>>,
 }
 
 fn triangle(n: usize) -> usize {
@@ -80,46 +86,45 @@ fn triangle(n: usize) -> usize {
 
 impl Accumulator {
     /// Zero sums for all weights of nets of the tile's shape.
-    pub fn new(tile: &Tile) -> Accumulator {
-        Accumulator::above(tile, 0, true)
+    pub fn new(tile: &Tile, precision: Precision) -> Accumulator {
+        Accumulator::above(tile, 0, true, precision)
     }
 
     /// Zero sums for JᵀWr alone.
     pub fn gradient(tile: &Tile) -> Accumulator {
-        Accumulator::above(tile, 0, false)
+        Accumulator::above(tile, 0, false, Precision::Double)
     }
 
     /// Zero sums for the weights of the output layer alone.
     pub fn output_layer(tile: &Tile) -> Accumulator {
-        Accumulator::above(tile, tile.depth(), true)
+        Accumulator::above(tile, tile.depth(), true, Precision::Double)
     }
 
-    fn above(tile: &Tile, first: usize, matrix: bool) -> Accumulator {
+    fn above(tile: &Tile, first: usize, matrix: bool, precision: Precision) -> Accumulator {
         let (sizes, top) = (tile.sizes.clone(), tile.depth());
         let ext = |l: usize| sizes[l] + 1;
         let mut blocks = Vec::new();
-        for p in first..=top {
-            for q in (first..=p).filter(|_| matrix) {
+        for p in (first..=top).filter(|_| matrix) {
+            for q in first..=p {
                 let (m, n) = match (p == top, q == top, p == q) {
                     (true, true, _) => (CHANNELS, triangle(ext(p))),
                     (true, false, _) => (CHANNELS * sizes[q + 1], ext(p) * ext(q)),
                     (false, _, true) => (triangle(sizes[p + 1]), triangle(ext(p))),
                     (false, _, false) => (sizes[p + 1] * sizes[q + 1], ext(p) * ext(q)),
                 };
-                blocks.push(Block::new(Kind::Pair { p, q }, m, n));
+                blocks.push(Block::new(p, q, m, n));
             }
-            blocks.push(Block::new(Kind::Gradient { l: p }, sizes[p + 1], ext(p)));
         }
         let widest = |f: fn(&Block) -> usize| blocks.iter().map(f).max().unwrap_or(0);
-        let (a, b) = (widest(|b| b.lda), widest(|b| b.ldb));
+        let (lda, ldb) = (widest(|b| b.lda), widest(|b| b.ldb));
         Accumulator {
-            z: (0..=top).map(|l| Packed::new(ext(l))).collect(),
-            g: (0..top)
-                .map(|l| (0..CHANNELS).map(|_| Packed::new(sizes[l + 1])).collect())
+            products: match precision {
+                Precision::Double => Products::Double(Factors::new(tile, first, lda, ldb)),
+                Precision::Single => Products::Single(Factors::new(tile, first, lda, ldb)),
+            },
+            gradients: (0..=top)
+                .map(|l| vec![0.0; if l < first { 0 } else { sizes[l + 1] * ext(l) }])
                 .collect(),
-            u: (0..=top).map(|l| Packed::new(sizes[l + 1])).collect(),
-            a: vec![0.0; a * TILE + STEP],
-            b: vec![0.0; b * TILE + STEP],
             offsets: (tile.offsets.iter())
                 .map(|offset| offset.saturating_sub(tile.offsets[first]))
                 .collect(),
@@ -131,106 +136,63 @@ impl Accumulator {
 
     /// Back to zero.
     pub fn clear(&mut self) {
-        for block in &mut self.blocks {
-            block.sums.fill(0.0);
-        }
+        let blocks = self.blocks.iter_mut().map(|block| &mut block.sums);
+        blocks
+            .chain(&mut self.gradients)
+            .for_each(|sums| sums.fill(0.0));
     }
 
     /// Adds the rows of a tile after its forward, residual and backward passes.
     pub fn add(&mut self, tile: &Tile) {
-        self.pack(tile);
-        let rows = tile.batch.rows;
-        for at in 0..self.blocks.len() {
-            let Block { kind, lda, ldb, .. } = self.blocks[at];
-            match kind {
-                Kind::Pair { p, q } => self.pair(tile, p, q, lda, ldb),
-                Kind::Gradient { l } => {
-                    products::copy(&self.u[l], rows, lda, &mut self.a);
-                    products::copy(&self.z[l], rows, ldb, &mut self.b);
-                }
+        self.add_gradients(tile);
+        if self.blocks.is_empty() {
+            return;
+        }
+        match &mut self.products {
+            Products::Double(factors) => factors.pack(tile),
+            Products::Single(factors) => factors.pack(tile),
+        }
+        for block in &mut self.blocks {
+            let (layers, widths) = ([block.p, block.q], [block.lda, block.ldb]);
+            let sums = &mut block.sums;
+            match &mut self.products {
+                Products::Double(factors) => factors.add(tile, layers, widths, sums),
+                Products::Single(factors) => factors.add(tile, layers, widths, sums),
             }
-            let sums = &mut self.blocks[at].sums;
-            gemm::accumulate(&self.a[..rows * lda], lda, &self.b[..rows * ldb], ldb, sums);
         }
     }
 
-    /// Row-major copies of what the products read.
-    fn pack(&mut self, tile: &Tile) {
-        for (l, z) in self.z.iter_mut().enumerate().skip(self.first) {
-            z.set(0, &[1.0; TILE]);
-            for (j, lane) in tile.input_of(l).iter().enumerate() {
-                z.set(j + 1, lane);
-            }
-        }
-        for (l, g) in self.g.iter_mut().enumerate().skip(self.first) {
-            let n = self.sizes[l + 1];
-            for j in 0..n {
-                let mut u = [0.0; TILE];
-                for (c, (packed, r)) in g.iter_mut().zip(&tile.r).enumerate() {
-                    let lane = &tile.g[l][c * n + j];
-                    packed.set(j, lane);
+    fn add_gradients(&mut self, tile: &Tile) {
+        let top = tile.depth();
+        for (l, sums) in self.gradients.iter_mut().enumerate().skip(self.first) {
+            let (units, width) = (self.sizes[l + 1], self.sizes[l] + 1);
+            for (j, sums) in sums.chunks_exact_mut(width).enumerate() {
+                // Σ_c r_c g_cj
+                let mut u: Lane = [0.0; TILE];
+                if l == top {
                     for i in 0..TILE {
-                        u[i] += r[i] * lane[i];
+                        u[i] = tile.r[j][i] * tile.s[j][i];
+                    }
+                } else {
+                    for (c, r) in tile.r.iter().enumerate() {
+                        let g = &tile.g[l][c * units + j];
+                        for i in 0..TILE {
+                            u[i] += r[i] * g[i];
+                        }
                     }
                 }
-                self.u[l].set(j, &u);
-            }
-        }
-        if let Some(top) = self.u.last_mut() {
-            for c in 0..CHANNELS {
-                let lane = std::array::from_fn(|i| tile.r[c][i] * tile.s[c][i]);
-                top.set(c, &lane);
-            }
-        }
-    }
-
-    /// Fills A and B for one pair of layers.
-    fn pair(&mut self, tile: &Tile, p: usize, q: usize, lda: usize, ldb: usize) {
-        let (top, rows) = (tile.depth(), tile.batch.rows);
-        let (a, b, n) = (&mut self.a, &mut self.b, &self.sizes);
-        if p == q {
-            products::upper(&self.z[p], n[p] + 1, rows, ldb, b);
-        } else {
-            products::outer(&self.z[p], n[p] + 1, &self.z[q], n[q] + 1, rows, ldb, b);
-        }
-        if q == top {
-            for (row, a) in a.chunks_exact_mut(lda).take(rows).enumerate() {
-                for (a, s) in a.iter_mut().zip(&tile.s) {
-                    *a = s[row] * s[row];
+                sums[0] += dot(&u, &[1.0; TILE]);
+                for (sum, z) in sums[1..].iter_mut().zip(tile.input_of(l)) {
+                    *sum += dot(&u, z);
                 }
             }
-        } else if p == top {
-            for (row, a) in a.chunks_exact_mut(lda).take(rows).enumerate() {
-                for c in 0..CHANNELS {
-                    let g = &self.g[q][c].row(row)[..n[q + 1]];
-                    for (a, g) in a[c * n[q + 1]..].iter_mut().zip(g) {
-                        *a = tile.s[c][row] * g;
-                    }
-                }
-            }
-        } else {
-            let triangular = p == q;
-            products::over_channels(
-                (&self.g[p], n[p + 1]),
-                (&self.g[q], n[q + 1]),
-                triangular,
-                rows,
-                lda,
-                a,
-            );
         }
     }
 
     /// The sums as JᵀWr.
     pub fn finish_gradient(&self, gradient: &mut [f64]) {
-        for block in &self.blocks {
-            let Kind::Gradient { l } = block.kind else {
-                continue;
-            };
-            let width = self.sizes[l] + 1;
-            for (unit, sums) in block.sums.chunks_exact(block.ldb).take(block.m).enumerate() {
-                gradient[self.offsets[l] + unit * width..][..width].copy_from_slice(&sums[..width]);
-            }
+        for (sums, offset) in self.gradients.iter().zip(&self.offsets).skip(self.first) {
+            gradient[*offset..][..sums.len()].copy_from_slice(sums);
         }
     }
 
@@ -239,9 +201,7 @@ impl Accumulator {
         let n = normal.n;
         self.finish_gradient(&mut normal.gradient);
         for block in &self.blocks {
-            if let Kind::Pair { p, q } = block.kind {
-                self.spread(block, p, q, normal);
-            }
+            self.spread(block, normal);
         }
         for i in 0..n {
             for j in 0..i {
@@ -251,7 +211,8 @@ impl Accumulator {
     }
 
     /// Writes one block where row ≥ column.
-    fn spread(&self, block: &Block, p: usize, q: usize, normal: &mut Normal) {
+    fn spread(&self, block: &Block, normal: &mut Normal) {
+        let Block { p, q, .. } = *block;
         let top = self.sizes.len() - 2;
         let (wp, wq) = (self.sizes[p] + 1, self.sizes[q] + 1);
         let n = normal.n;
@@ -297,10 +258,11 @@ fn unpair(mut pair: usize, n: usize) -> (usize, usize) {
 }
 
 impl Block {
-    fn new(kind: Kind, m: usize, n: usize) -> Block {
+    fn new(p: usize, q: usize, m: usize, n: usize) -> Block {
         let (lda, ldb) = (m.next_multiple_of(PAD_A), n.next_multiple_of(PAD_B));
         Block {
-            kind,
+            p,
+            q,
             m,
             n,
             lda,

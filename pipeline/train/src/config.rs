@@ -1,5 +1,6 @@
 //! What a fit is asked for.
 
+use crate::blocks::Precision;
 use crate::error::TrainError;
 use crate::lm::LmConfig;
 use serde::{Deserialize, Serialize};
@@ -107,6 +108,9 @@ pub struct TrainConfig {
     pub iterations: usize,
     /// Steps without a better validation error after which a fit stops.
     pub patience: usize,
+    /// In which precision JᵀWJ is multiplied.
+    #[serde(default)]
+    pub precision: Precision,
     /// How to step.
     pub lm: LmConfig,
 }
@@ -148,6 +152,7 @@ impl Default for TrainConfig {
             rung_steps: 5,
             iterations: 60,
             patience: 6,
+            precision: Precision::Double,
             lm: LmConfig::default(),
         }
     }

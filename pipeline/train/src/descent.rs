@@ -85,7 +85,8 @@ impl<'a> Descent<'a> {
             .first((cell.train.len() as f64 * leg.share).ceil() as usize);
         let residuals = rows.residuals().max(1);
         let mut problem = NetProblem::new(&self.shape, rows, residuals, cell.loss)
-            .exponential(cell.config.exponential);
+            .exponential(cell.config.exponential)
+            .precision(cell.config.precision);
         let mut judge = Judge::choosing(cell, &self.shape, leg.share);
         self.w.clone_from(&self.best);
         let first_run = self.residuals == 0.0;

@@ -1,7 +1,8 @@
 //! C += Aᵀ B over the rows of a tile, the one dense kernel of the trainer.
 //!
 //! A is `[rows, lda]`, B is `[rows, ldb]`, C is `[m, ldc]`, all row-major. The entry C(i, j)
-//! is summed over the rows in their order, whatever the instruction set's block is.
+//! is summed over the rows in their order, whatever the instruction set's block is. A and B are
+//! f64, or f32 with the sums of one tile in f32: twice as many numbers a vector. C is f64.
 
 use crate::simd::fma;
 use multiversion::multiversion;
@@ -10,7 +11,7 @@ use multiversion::target::target_cfg_f;
 /// Columns of A are padded to a multiple of this.
 pub const PAD_A: usize = 8;
 /// Columns of B are padded to a multiple of this.
-pub const PAD_B: usize = 24;
+pub const PAD_B: usize = 48;
 
 /// C += Aᵀ B. `lda` and `ldc`'s row count are multiples of [`PAD_A`], `ldb` of [`PAD_B`];
 /// `ldc` equals `ldb`. Columns beyond the used ones may hold any finite values.
@@ -31,25 +32,59 @@ pub fn accumulate(a: &[f64], lda: usize, b: &[f64], ldb: usize, c: &mut [f64]) {
     }
 }
 
-/// One row of a block of accumulators.
-#[inline(always)]
-fn row<const N: usize, const FMA: bool>(mut sum: [f64; N], x: f64, y: &[f64; N]) -> [f64; N] {
-    for j in 0..N {
-        sum[j] = fma::<FMA>(x, y[j], sum[j]);
+/// [`accumulate`] of f32 factors; the tile's sums are f32.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512dq+avx512vl+fma",
+    "x86_64+avx2+fma",
+    "aarch64+neon"
+))]
+#[allow(clippy::ifs_same_cond)]
+pub fn accumulate_single(a: &[f32], lda: usize, b: &[f32], ldb: usize, c: &mut [f64]) {
+    if target_cfg_f!(target_feature = "avx512f") {
+        single_8_48::<true>(a, lda, b, ldb, c);
+    } else if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
+        single_4_16::<true>(a, lda, b, ldb, c);
+    } else {
+        single_4_16::<false>(a, lda, b, ldb, c);
     }
-    sum
+}
+
+/// One row of a block of accumulators.
+macro_rules! row {
+    ($name:ident, $real:ty, $fma:path) => {
+        #[inline(always)]
+        fn $name<const N: usize, const FMA: bool>(
+            mut sum: [$real; N],
+            x: $real,
+            y: &[$real; N],
+        ) -> [$real; N] {
+            for j in 0..N {
+                sum[j] = $fma(x, y[j], sum[j]);
+            }
+            sum
+        }
+    };
+}
+
+row!(row, f64, fma::<FMA>);
+row!(row_single, f32, single_fma::<FMA>);
+
+/// a b + c, rounded once where the instruction set can.
+#[inline(always)]
+fn single_fma<const FMA: bool>(a: f32, b: f32, c: f32) -> f32 {
+    if FMA { a.mul_add(b, c) } else { a * b + c }
 }
 
 /// C in blocks of `$m` x `$n` accumulators that stay in registers while the rows go by.
 /// Each row of a block is a variable of its own: as one array of arrays they end up in memory,
 /// thirty times slower.
 macro_rules! blocks {
-    ($name:ident, $m:literal, $n:literal, $($i:literal $sum:ident),*) => {
+    ($name:ident, $real:ty, $row:ident, $m:literal, $n:literal, $($i:literal $sum:ident),*) => {
         #[inline(always)]
         pub(crate) fn $name<const FMA: bool>(
-            a: &[f64],
+            a: &[$real],
             lda: usize,
-            b: &[f64],
+            b: &[$real],
             ldb: usize,
             c: &mut [f64],
         ) {
@@ -62,10 +97,10 @@ macro_rules! blocks {
                         else {
                             return;
                         };
-                        $($sum = row::<$n, FMA>($sum, x[$i], y);)*
+                        $($sum = $row::<$n, FMA>($sum, x[$i], y);)*
                     }
                     $(for (c, s) in c[(at_a + $i) * ldb + at_b..][..$n].iter_mut().zip(&$sum) {
-                        *c += s;
+                        *c += f64::from(*s);
                     })*
                 }
             }
@@ -73,8 +108,10 @@ macro_rules! blocks {
     };
 }
 
-blocks!(blocks_8_24, 8, 24, 0 s0, 1 s1, 2 s2, 3 s3, 4 s4, 5 s5, 6 s6, 7 s7);
-blocks!(blocks_4_8, 4, 8, 0 s0, 1 s1, 2 s2, 3 s3);
+blocks!(blocks_8_24, f64, row, 8, 24, 0 s0, 1 s1, 2 s2, 3 s3, 4 s4, 5 s5, 6 s6, 7 s7);
+blocks!(blocks_4_8, f64, row, 4, 8, 0 s0, 1 s1, 2 s2, 3 s3);
+blocks!(single_8_48, f32, row_single, 8, 48, 0 s0, 1 s1, 2 s2, 3 s3, 4 s4, 5 s5, 6 s6, 7 s7);
+blocks!(single_4_16, f32, row_single, 4, 16, 0 s0, 1 s1, 2 s2, 3 s3);
 
 #[cfg(test)]
 mod tests {
@@ -83,7 +120,7 @@ mod tests {
     /// The dispatched kernel, the plain one and a triple loop; integers, so exactly equal.
     #[test]
     fn equals_the_triple_loop() {
-        for (rows, lda, ldb) in [(1, 8, 24), (5, 16, 48), (128, 24, 72), (0, 8, 24)] {
+        for (rows, lda, ldb) in [(1, 8, 48), (5, 16, 96), (128, 24, 144), (0, 8, 48)] {
             let a: Vec<f64> = (0..rows * lda)
                 .map(|i| ((i * 7) % 19) as f64 - 9.0)
                 .collect();
@@ -99,6 +136,16 @@ mod tests {
                 }
             }
             for kernel in [accumulate, blocks_4_8::<false>, blocks_8_24::<false>] {
+                let mut c = vec![1.0; lda * ldb];
+                kernel(&a, lda, &b, ldb, &mut c);
+                assert_eq!(c, expected);
+            }
+            let [a, b] = [&a, &b].map(|x| x.iter().map(|&x| x as f32).collect::<Vec<f32>>());
+            for kernel in [
+                accumulate_single,
+                single_4_16::<false>,
+                single_8_48::<false>,
+            ] {
                 let mut c = vec![1.0; lda * ldb];
                 kernel(&a, lda, &b, ldb, &mut c);
                 assert_eq!(c, expected);

@@ -25,6 +25,7 @@ pub mod dense;
 mod descent;
 pub mod error;
 pub mod evidence;
+mod factors;
 pub mod fit;
 pub mod gemm;
 pub mod halves;
@@ -44,6 +45,7 @@ pub mod simd;
 pub mod streamed;
 pub mod tile;
 
+pub use blocks::Precision;
 pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
 pub use error::TrainError;
 pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell};

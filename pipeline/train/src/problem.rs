@@ -1,6 +1,6 @@
 //! Training a net as a sum of squares: the [`Problem`] that Levenberg-Marquardt sees.
 
-use crate::blocks::{Accumulator, Normal};
+use crate::blocks::{Accumulator, Normal, Precision};
 use crate::curvature::second_derivative;
 use crate::linalg::Cholesky;
 use crate::lm::Problem;
@@ -81,7 +81,7 @@ impl<R: Rows> NetProblem<R> {
         let tile = Tile::new(shape);
         let first = shape.offsets().last().copied().unwrap_or(0);
         NetProblem {
-            sums: Accumulator::new(&tile),
+            sums: Accumulator::new(&tile, Precision::Double),
             output_sums: Accumulator::output_layer(&tile),
             gradient_sums: Accumulator::gradient(&tile),
             output: Normal::zeros(shape.weights() - first),
@@ -102,6 +102,12 @@ impl<R: Rows> NetProblem<R> {
     pub fn exponential(mut self, exponential: bool) -> NetProblem<R> {
         self.exponential = exponential;
         self.tile.set_exponential(exponential);
+        self
+    }
+
+    /// The same with JᵀWJ multiplied in another precision.
+    pub fn precision(mut self, precision: Precision) -> NetProblem<R> {
+        self.sums = Accumulator::new(&self.tile, precision);
         self
     }
 

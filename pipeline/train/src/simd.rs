@@ -19,6 +19,31 @@ pub fn fma<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FMA { a.mul_add(b, c) } else { a * b + c }
 }
 
+/// Σ x y over a tile, in eight sums of every eighth row that are added up in their order.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512dq+avx512vl+fma",
+    "x86_64+avx2+fma",
+    "aarch64+neon"
+))]
+pub(crate) fn dot(x: &Lane, y: &Lane) -> f64 {
+    if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
+        dot_sums::<true>(x, y)
+    } else {
+        dot_sums::<false>(x, y)
+    }
+}
+
+#[inline(always)]
+fn dot_sums<const FMA: bool>(x: &Lane, y: &Lane) -> f64 {
+    let mut sums = [0.0; 8];
+    for (x, y) in x.chunks_exact(8).zip(y.chunks_exact(8)) {
+        for i in 0..8 {
+            sums[i] = fma::<FMA>(x[i], y[i], sums[i]);
+        }
+    }
+    sums.iter().sum()
+}
+
 /// tanh of every entry, within 2 ulp of the exact value; NaN stays NaN.
 #[multiversion(targets(
     "x86_64+avx512f+avx512dq+avx512vl+fma",

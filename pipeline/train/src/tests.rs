@@ -1,9 +1,10 @@
 //! The structured normal equations against a dense Jacobian, and whole fits.
 
-use crate::blocks::Normal;
+use crate::blocks::{Normal, Precision};
 use crate::lm::Problem;
 use crate::made_up::{self, RandomRows};
 use crate::problem::{Loss, NetProblem};
+use crate::simd::TILE;
 use rrf_field::net::{self, Shape};
 
 /// JᵀWJ, JᵀWr and D with J formed column by column from dual numbers; `exponential` outputs by
@@ -89,6 +90,35 @@ fn structured_equals_dense() {
             close(&normal.gradient, &expected.gradient, 1e-12);
             close(&[cost, problem.cost(&w)], &[expected_cost; 2], 1e-12);
         }
+    }
+}
+
+/// f32 products: a sum of n of them errs by n units of 2^-24 of the sum of their magnitudes, which for
+/// rows of JᵀWJ is at most the geometric mean of two diagonal entries (Cauchy-Schwarz). The
+/// factors are products of two and three rounded numbers and sums over channels: 6 units more.
+/// The gradient and the cost are those in f64, to the bit.
+#[test]
+fn single_precision_is_as_good_as_its_numbers() {
+    let shape = Shape {
+        sizes: vec![7, 9, 6, 3],
+    };
+    let w = made_up::weights(&shape, 3, 0.8);
+    let rows = RandomRows { seed: 5, rows: 300 };
+    let with = |precision| {
+        let mut problem = NetProblem::new(&shape, &rows, 900, Loss::Absolute).precision(precision);
+        let mut normal = Normal::zeros(w.len());
+        let cost = problem.linearise(&w, &mut normal);
+        (normal, cost)
+    };
+    let ((double, cost), (single, same)) = (with(Precision::Double), with(Precision::Single));
+    assert_eq!((cost, &double.gradient), (same, &single.gradient));
+    assert_ne!(double.matrix, single.matrix);
+    let n = w.len();
+    let unit = f64::from(f32::EPSILON) / 2.0;
+    for (at, (a, b)) in double.matrix.iter().zip(&single.matrix).enumerate() {
+        let [i, j] = [at / n, at % n].map(|i| double.matrix[i * n + i]);
+        let bound = (TILE as f64 + 6.0) * unit * (i * j).sqrt();
+        assert!((a - b).abs() <= bound, "{a} {b}");
     }
 }
 

@@ -18,11 +18,13 @@ pub(crate) struct Vertices {
     pub(crate) first: Lane,
     /// Density of having arrived here, with respect to area.
     pub(crate) density: Lane,
+    /// Density with which a mirror would have led here.
+    pub(crate) glint: Lane,
     /// Point light of the lane's path.
     pub(crate) light: Lane3,
 }
 
-/// The points that a point light's own ray met.
+/// The points that a point light's own ray met, or that mirrors show it by.
 pub(crate) struct Lit {
     /// Seen from the light.
     pub(crate) surfaces: Surfaces,
@@ -30,7 +32,7 @@ pub(crate) struct Lit {
     pub(crate) toward: Lane3,
     /// Irradiance at normal incidence, 1 / distance^2 for 1 W/sr; zero where the ray missed.
     pub(crate) falloff: Lane,
-    /// Density of the point with respect to area.
+    /// Density of the point with respect to area, by the light's ray and by a mirror together.
     pub(crate) density: Lane,
 }
 
@@ -62,6 +64,7 @@ impl Vertices {
         throughput: Lane3::ZERO,
         first: [0.0; TILE],
         density: [0.0; TILE],
+        glint: [0.0; TILE],
         light: Lane3::ZERO,
     };
 }
@@ -95,7 +98,8 @@ impl Departures {
 }
 
 /// Next-event estimation: light that comes straight from the point light; when `shared`,
-/// by the balance heuristic (Veach and Guibas 1995) against [`connect`] having found the vertex.
+/// by the balance heuristic (Veach and Guibas 1995) against [`connect`] or a mirror having found
+/// the vertex.
 #[inline(always)]
 fn next_event_lanes<const MIXED: bool>(at: &Vertices, shared: bool, out: &mut Contributions) {
     for i in 0..TILE {
@@ -109,7 +113,7 @@ fn next_event_lanes<const MIXED: bool>(at: &Vertices, shared: bool, out: &mut Co
         let (value, _) = bsdf.eval_pdf::<MIXED>(n, v, l);
         let cosine = geometric.dot(l);
         let other = if shared {
-            cosine / (4.0 * PI * distance2)
+            cosine / (4.0 * PI * distance2) + at.glint[i]
         } else {
             0.0
         };
@@ -149,8 +153,9 @@ fn next_lamp_lanes<const MIXED: bool>(at: &Vertices, lamps: &LampLanes, out: &mu
     }
 }
 
-/// Light that comes by way of a point that the light's own ray met, by the balance heuristic
-/// against the path's next direction having found that point.
+/// Light that comes by way of a point that the light's own ray met or that a mirror shows it by, by
+/// the balance heuristic among these two and the path's next direction having found that point:
+/// value / (sum of the three densities), whichever of the two it was.
 #[inline(always)]
 fn connect_lanes<const MIXED: bool>(at: &Vertices, lit: &Lit, out: &mut Contributions) {
     for i in 0..TILE {

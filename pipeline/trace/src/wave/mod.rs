@@ -4,6 +4,7 @@
 //! collects the shadow rays and the next rays of all of them, and traces each collection as one
 //! batch. Rows keep their order, so sums are folded in the order of the paths.
 
+mod glint;
 mod kernels;
 mod path;
 mod random;

@@ -1,5 +1,6 @@
 //! The rows that a wave moves about.
 
+use crate::mirrors::NO_MIRROR;
 use crate::surface::Vertex;
 use glam::Vec3;
 
@@ -23,6 +24,10 @@ pub(crate) struct Path {
     /// Density of the last direction (solid angle) until the ray is traced, then of the vertex
     /// (area).
     pub(crate) density: f32,
+    /// Where the path came from.
+    pub(crate) from: Vec3,
+    /// Density with which a mirror would have led here, with respect to area.
+    pub(crate) glint: f32,
 }
 
 /// What a point light's own ray met.
@@ -35,6 +40,8 @@ pub(crate) struct LightVertex {
     pub(crate) falloff: f32,
     /// Density with respect to area.
     pub(crate) density: f32,
+    /// Mirror that it lies on.
+    pub(crate) mirror: u8,
 }
 
 impl LightVertex {
@@ -44,5 +51,6 @@ impl LightVertex {
         toward: Vec3::Z,
         falloff: 0.0,
         density: 0.0,
+        mirror: NO_MIRROR,
     };
 }

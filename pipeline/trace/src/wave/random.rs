@@ -9,6 +9,10 @@ use multiversion::multiversion;
 pub(crate) const STRATIFIED: usize = 2;
 /// First of the three dimensions that place a point light's vertex or the first lamp point.
 pub(crate) const LIGHT: usize = 3 * STRATIFIED;
+/// First of the three dimensions of the first point on a mirror.
+pub(crate) const GLINT: usize = LIGHT + 3;
+/// Blocks of the choice of a point on a mirror, one a bounce.
+pub(crate) const GLINT_BLOCKS: u32 = 1 << 29;
 /// Blocks of the choice of a lamp's point, one a bounce.
 pub(crate) const LAMP_BLOCKS: u32 = 1 << 30;
 /// Blocks from here on belong to a replicate, those below to a path's bounces.

@@ -1,11 +1,13 @@
 //! One thread's paths.
 
+use super::glint::Glance;
 use super::kernels::{Departures, LampLanes, Lit, Vertices};
 use super::path::{LightVertex, Path};
 use super::random::{self, Draws};
 use super::tile::Contributions;
 use super::{Part, Row, Source};
 use crate::lamps;
+use crate::mirrors::NO_MIRROR;
 use crate::rays::{self, Ray};
 use crate::sobol::{DIMENSIONS, Scramble, Table};
 use crate::tracer::Tracer;
@@ -35,6 +37,24 @@ impl Batch<'_> {
     pub(super) fn first_lit(&self) -> u32 {
         u32::from(!self.part.direct)
     }
+
+    /// Density with which a mirror would have led a path to where its ray ended.
+    fn glint(&self, path: &Path, hit: &Found) -> f32 {
+        let tracer = self.part.tracer;
+        let mirror = tracer.mirrors.of(hit.triangle);
+        if mirror == NO_MIRROR || !self.looks_at_mirrors() {
+            return 0.0;
+        }
+        let y = tracer.facets[hit.triangle as usize].position(hit.barycentrics);
+        let light = self.row(path).light;
+        tracer.mirrors.density(mirror, path.from, light, y)
+    }
+
+    /// Whether light that mirrors show is sought.
+    pub(super) fn looks_at_mirrors(&self) -> bool {
+        let connected = self.part.source == Source::Point { connect: true };
+        connected && !self.part.tracer.mirrors.is_empty()
+    }
 }
 
 /// Working memory of one thread.
@@ -49,6 +69,10 @@ pub(super) struct Wave {
     pub(super) shadows: Vec<Ray>,
     pub(super) arriving: Vec<(u32, Vec3)>,
     blocked: Vec<bool>,
+    /// Vertices that look at mirrors, their rays, and which of them met one.
+    pub(super) glances: Vec<Glance>,
+    pub(super) glance_rays: Vec<Ray>,
+    pub(super) met: Vec<(Glance, Found)>,
     /// One a slot, if the source is connected to.
     pub(super) light_vertices: Vec<LightVertex>,
     /// One a row.
@@ -74,6 +98,9 @@ impl Wave {
             shadows: Vec::new(),
             arriving: Vec::new(),
             blocked: Vec::new(),
+            glances: Vec::new(),
+            glance_rays: Vec::new(),
+            met: Vec::new(),
             light_vertices: Vec::new(),
             scrambles: Vec::new(),
             sums: Vec::new(),
@@ -95,6 +122,9 @@ impl Wave {
         }
         for bounce in 0.. {
             self.shade(batch, bounce);
+            if batch.looks_at_mirrors() {
+                self.glints(batch);
+            }
             self.gather_light(batch);
             self.travel(batch, bounce);
             if self.paths.is_empty() || batch.part.direct {
@@ -125,6 +155,8 @@ impl Wave {
                 throughput: Vec3::ONE,
                 first: 1.0,
                 density: 0.0,
+                from: Vec3::ZERO,
+                glint: 0.0,
             }));
         }
     }
@@ -163,6 +195,7 @@ impl Wave {
                 triangle: hit.triangle,
                 barycentrics: hit.barycentrics,
                 density,
+                glint: batch.glint(path, hit),
                 ..*path
             });
         }

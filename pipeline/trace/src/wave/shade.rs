@@ -1,11 +1,12 @@
 //! One bounce of all live paths: rows into tiles, kernels, and what they give into rays.
 
 use super::Source;
-use super::kernels;
+use super::kernels::{self, Vertices};
 use super::path::Path;
-use super::random;
+use super::random::{self, Draws};
 use super::run::{Batch, Wave};
 use super::tile::TILE;
+use crate::mirrors::NO_MIRROR;
 use crate::rays::Ray;
 use glam::Vec3;
 
@@ -18,27 +19,13 @@ impl Wave {
         self.next.clear();
         for first in (0..self.paths.len()).step_by(TILE) {
             let lanes = TILE.min(self.paths.len() - first);
-            self.load(batch, first, lanes);
+            let paths = self.paths[first..first + lanes].iter();
+            load(batch, paths, &mut self.vertices, &mut self.draws);
             self.light(batch, bounce, first, lanes);
+            if batch.looks_at_mirrors() {
+                self.glance(batch, bounce, first, lanes);
+            }
             self.scatter(batch, bounce, first, lanes);
-        }
-    }
-
-    /// Copies the rows of a tile into its columns.
-    fn load(&mut self, batch: &Batch, first: usize, lanes: usize) {
-        let tracer = batch.part.tracer;
-        let paths = batch.replicate_paths as u32;
-        for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
-            let row = batch.row(path);
-            let vertex = tracer.vertex(path.triangle, path.barycentrics, path.viewer);
-            self.vertices.surfaces.set(i, &vertex);
-            self.vertices.viewer.set(i, path.viewer);
-            self.vertices.throughput.set(i, path.throughput);
-            self.vertices.first[i] = path.first;
-            self.vertices.density[i] = path.density;
-            self.vertices.light.set(i, row.light);
-            let number = row.replicate.wrapping_mul(paths).wrapping_add(path.number);
-            self.draws.name(i, row.index, number);
         }
     }
 
@@ -54,7 +41,7 @@ impl Wave {
                     self.queue_shadows(first, lanes);
                 }
                 if connect {
-                    self.load_light_vertices(first, lanes);
+                    self.load_light_vertices(batch, first, lanes);
                     let (at, out) = (&self.vertices, &mut self.contributions);
                     kernels::connect(mixed, at, &self.lit, out);
                     self.queue_shadows(first, lanes);
@@ -71,13 +58,20 @@ impl Wave {
     }
 
     /// Copies the light vertices of a tile's paths into its columns.
-    fn load_light_vertices(&mut self, first: usize, lanes: usize) {
+    fn load_light_vertices(&mut self, batch: &Batch, first: usize, lanes: usize) {
+        let mirrors = &batch.part.tracer.mirrors;
         for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
             let lit = &self.light_vertices[path.slot as usize];
             self.lit.surfaces.set(i, &lit.vertex);
             self.lit.toward.set(i, lit.toward);
             self.lit.falloff[i] = lit.falloff;
             self.lit.density[i] = lit.density;
+            if lit.mirror != NO_MIRROR {
+                let x = self.vertices.surfaces.position.get(i);
+                let light = self.vertices.light.get(i);
+                let y = lit.vertex.position;
+                self.lit.density[i] += mirrors.density(lit.mirror, x, light, y);
+            }
         }
     }
 
@@ -157,6 +151,7 @@ impl Wave {
                     t_max: f32::INFINITY,
                 });
                 self.next.push(Path {
+                    from: at.surfaces.position.get(i),
                     viewer: -direction,
                     throughput,
                     first: if bounce == 0 { largest } else { before.first },
@@ -165,5 +160,29 @@ impl Wave {
                 });
             }
         }
+    }
+}
+
+/// Copies paths at their vertices into a tile's columns.
+pub(super) fn load<'a>(
+    batch: &Batch,
+    paths: impl Iterator<Item = &'a Path>,
+    vertices: &mut Vertices,
+    draws: &mut Draws,
+) {
+    let tracer = batch.part.tracer;
+    let each = batch.replicate_paths as u32;
+    for (i, path) in paths.enumerate() {
+        let row = batch.row(path);
+        let vertex = tracer.vertex(path.triangle, path.barycentrics, path.viewer);
+        vertices.surfaces.set(i, &vertex);
+        vertices.viewer.set(i, path.viewer);
+        vertices.throughput.set(i, path.throughput);
+        vertices.first[i] = path.first;
+        vertices.density[i] = path.density;
+        vertices.glint[i] = path.glint;
+        vertices.light.set(i, row.light);
+        let number = row.replicate.wrapping_mul(each).wrapping_add(path.number);
+        draws.name(i, row.index, number);
     }
 }

@@ -43,6 +43,7 @@ impl Wave {
                     vertex,
                     toward,
                     falloff,
+                    mirror: tracer.mirrors.of(hit.triangle),
                     density: vertex.geometric.dot(toward) * falloff / (4.0 * PI),
                 }
             });

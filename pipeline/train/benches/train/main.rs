@@ -15,7 +15,7 @@ use multiversion::target::target_cfg_f;
 use rrf_field::columns::Columns;
 use rrf_field::net::Shape;
 use rrf_field::rng::{Stage, Stream};
-use rrf_train::blocks::Normal;
+use rrf_train::blocks::{Normal, Precision};
 use rrf_train::lm::{Levenberg, LmConfig, Problem};
 use rrf_train::problem::{Loss, NetProblem};
 use rrf_train::simd::{TILE, fma};
@@ -136,12 +136,24 @@ fn iteration(c: &mut Criterion<CpuTime>) {
     group.bench_function("normal equations", |b| {
         b.iter(|| problem.linearise(black_box(&w), &mut normal))
     });
+    let single = NetProblem::new(&shape(), MadeUp::new(), 3 * ROWS, Loss::Absolute);
+    let mut single = single.precision(Precision::Single);
+    group.bench_function("normal equations, f32 products", |b| {
+        b.iter(|| single.linearise(black_box(&w), &mut normal))
+    });
     group.bench_function("cost", |b| b.iter(|| problem.cost(black_box(&w))));
     let mut lm = Levenberg::new(w.len(), LmConfig::default());
     group.bench_function("iteration", |b| {
         b.iter(|| {
             let mut w = w.clone();
             lm.step(&mut problem, &mut w, 1e-3)
+        });
+    });
+    let mut lm = Levenberg::new(w.len(), LmConfig::default());
+    group.bench_function("iteration, f32 products", |b| {
+        b.iter(|| {
+            let mut w = w.clone();
+            lm.step(&mut single, &mut w, 1e-3)
         });
     });
     group.finish();
