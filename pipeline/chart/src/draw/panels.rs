@@ -47,7 +47,7 @@ where
                 FRONT.stroke_width(2),
             ))?,
         }
-        area.draw(&Text::new(text.to_string(), (x + 14, y - 9), style.clone()))?;
+        area.draw(&Text::new(text.to_string(), (x + 14, y - 6), style.clone()))?;
         x += 48 + area.estimate_text_size(text, &style)?.0 as i32;
         Ok(())
     };
