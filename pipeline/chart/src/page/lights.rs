@@ -56,7 +56,8 @@ pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
             let square: f64 = (0..3)
                 .map(|c| f64::from(p[c] - y0[c]) * f64::from(p[c] - y1[c]))
                 .sum();
-            let square = square / 3.0 / lum(table.mean(row)).max(floor).powi(2);
+            // the target's own luminance is noisy, and small where the noise says so
+            let square = square / 3.0 / lum(p).max(floor).powi(2);
             let light = table.columns.vec3(columns::L, row);
             for axis in 0..3 {
                 let width = f64::from(b[axis + 3] - b[axis]).max(f64::MIN_POSITIVE);
@@ -70,8 +71,8 @@ pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
     }
     let mut out = String::from(
         "<h2>Error by light position</h2>\n<p class=\"note\">Relative error on rows held out, \
-         Monte Carlo noise taken out, ± its standard error, by the light's place along each axis \
-         of the light box.</p>\n",
+         Monte Carlo noise taken out, ± its standard error, relative to the \
+         prediction's luminance, by the light's place along each axis of the light box.</p>\n",
     );
     for (axis, bins) in bins.iter().enumerate() {
         let width = (b[axis + 3] - b[axis]) / BINS as f32;
