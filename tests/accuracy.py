@@ -5,8 +5,9 @@ there is one, renders held-out frames at random viewpoints and lights by the mod
 trace`, and prints one row of the table in docs/accuracy.md. A run that lies in DIR already is
 judged as it is. Nothing here is used for training or for choosing a setting.
 
-The noise of the reference frames: each is traced twice from different seeds; the reference is
-one of the two, and the difference of the two over sqrt(2) is its own noise in each measure.
+The noise of the reference frames: each is traced once more from another seed with a quarter of the
+paths. The difference of the two has five times the variance of the reference, whose own noise in
+each measure it is, over sqrt(5).
 """
 
 import argparse
@@ -72,21 +73,34 @@ def measures(rrf, a, b):
     return values, found["exposure"]["ev"]
 
 
-def frames(rrf, scene, baked, light_box, eyes, targets, folder, spp):
-    """Colour differences of the model and of a second tracing, frame by frame."""
+def views(light_box, eyes, targets):
+    """Options of the held-out frames: camera and light."""
     rng = random.Random(SEED)
     low, high = light_box[:3], light_box[3:]
-    found = []
-    for k in range(FRAMES):
+    for _ in range(FRAMES):
         light = place(rng, list(zip(low, high)))
         eye, target = place(rng, eyes), place(rng, targets)
         view = [f"--eye={','.join(map(str, eye))}", f"--look-at={','.join(map(str, target))}"]
-        view += ["--fov=60", "--size=128x128", f"--light={','.join(map(str, light))}"]
-        model, one, two = (folder / f"{k}-{name}.exr" for name in ("model", "one", "two"))
-        run([rrf, "render", baked, "-o", model, *view])
-        for seed, file in ((1, one), (2, two)):
+        yield view + ["--fov=60", "--size=128x128", f"--light={','.join(map(str, light))}"]
+
+
+def references(rrf, scene, light_box, eyes, targets, folder, spp):
+    """The traced frames, those that are not there yet."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for k, view in enumerate(views(light_box, eyes, targets)):
+        for seed, name, paths in ((1, "one", spp), (2, "two", spp // 4)):
+            file = folder / f"{k}-{name}-{spp}.exr"
             if not file.exists():
-                run([rrf, "trace", scene, "-o", file, "--spp", spp, "--seed", seed, *view])
+                run([rrf, "trace", scene, "-o", file, "--spp", paths, "--seed", seed, *view])
+
+
+def frames(rrf, baked, light_box, eyes, targets, folder, spp):
+    """Colour differences of the model and of the second tracing, frame by frame."""
+    found = []
+    for k, view in enumerate(views(light_box, eyes, targets)):
+        model = folder / f"{k}-model.exr"
+        one, two = (folder / f"{k}-{name}-{spp}.exr" for name in ("one", "two"))
+        run([rrf, "render", baked, "-o", model, *view])
         (error, ev), (noise, _) = measures(rrf, model, one), measures(rrf, two, one)
         found.append((error, noise, ev))
     return found
@@ -100,6 +114,12 @@ def judge(name, args):
     file, box, target, limit, eyes, targets, oracle = SCENES[name]
     scene, baked = HERE.parent / file, args.work / name
     args.work.mkdir(parents=True, exist_ok=True)
+    corners = [float(x) for x in box.split(",")]
+    folder = args.work / f"{name}-frames"
+    if args.spp:
+        references(args.rrf, scene, corners, eyes, targets, folder, args.spp)
+    if args.references:
+        return
     seconds = float("nan")
     if not (baked / "model" / "weights.arrow").exists():
         start = time.time()
@@ -123,14 +143,11 @@ def judge(name, args):
         print(f"  other renderer  {done.stdout.strip()}")
     if args.spp == 0:
         return
-    folder = args.work / f"{name}-frames"
-    folder.mkdir(exist_ok=True)
-    corners = [float(x) for x in box.split(",")]
-    found = frames(args.rrf, scene, baked, corners, eyes, targets, folder, args.spp)
+    found = frames(args.rrf, baked, corners, eyes, targets, folder, args.spp)
     for measure in [m for m in found[0][0] if m.startswith("delta_e")]:
         errors, noises = ([f[i][measure] for f in found] for i in (0, 1))
         rms = (sum(e * e for e in errors) / FRAMES) ** 0.5
-        noise = (sum(e * e for e in noises) / FRAMES / 2) ** 0.5
+        noise = (sum(e * e for e in noises) / FRAMES / 5) ** 0.5
         each = " ".join(f"{e:.2f}" for e in errors)
         print(f"  {measure:<15} {rms:.2f} (limit {limit}, reference noise {noise:.2f}); frames {each}")
     print("  exposure [stops] " + " ".join(f"{f[2]:+.1f}" for f in found) + ", sRGB, clipped")
@@ -142,6 +159,7 @@ def main():
     parser.add_argument("--rrf", default=HERE.parent / "target" / "release" / "rrf")
     parser.add_argument("--work", type=Path, default=HERE.parent / "target" / "accuracy")
     parser.add_argument("--spp", type=int, default=2048, help="paths a pixel of references; 0: none")
+    parser.add_argument("--references", action="store_true", help="trace the references, no more")
     args = parser.parse_args()
     for name in args.scenes:
         judge(name, args)

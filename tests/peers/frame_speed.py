@@ -2,18 +2,22 @@
 
     python3 tests/peers/frame_speed.py RUN [--rrf target/release/rrf] [--light x,y,z,r,g,b]
 
-Renders the run's own camera under one point light, by the nets (steady state, processor time of
-`--json-stats`) and by path tracing with 2, 8 and 32 paths a pixel (user time of the process, its
-start-up taken off by a second size). The reference has --spp paths. The error of a path-traced frame
-falls as one over the square root of its paths: the number of paths with the nets' error is read
-off that law, anchored at each of the three counts, and so is their time. Processor seconds,
-because wall time is not one's own on a machine with other work.
+The error is that of `rrf compare` (relative_error, full light) from the run's own camera under one
+point light, at --size. Two references of --spp paths with seeds of their own take their noise out:
+with V the squared relative error of one reference, half of that between the two, the nets' squared
+error is their mean squared error against either less V. Frames of 16 and 64 paths tell how the
+path tracer's squared error falls with its paths; where it meets the nets' is the equal count.
+
+Times are processor seconds at --time-size, because wall time is not one's own on a machine with
+other work: of the nets `processor_ms` of `--json-stats`, of the path tracer the user time of a frame
+with 16 paths less that of one with 2, per path.
 """
 
 import argparse
 import json
 import pathlib
 import resource
+import statistics
 import subprocess
 import tempfile
 
@@ -25,49 +29,70 @@ def run(command):
     return done.stdout, resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
 
+class Case:
+    """One run, light and folder of frames."""
+
+    def __init__(self, options, folder):
+        run_json = json.loads((pathlib.Path(options.run) / "run.json").read_text())
+        self.rrf, self.folder, self.run = options.rrf, folder, options.run
+        self.scene = options.scene or run_json["scene"]
+        self.light = ["--light", options.light]
+
+    def trace(self, spp, size, seed):
+        """A path-traced frame and its user seconds."""
+        out = self.folder / f"{spp}-{size}-{seed}.exr"
+        paths = ["--spp", str(spp), "--seed", str(seed), "--size", size]
+        return out, run([self.rrf, "trace", "-q", self.scene, *self.light, *paths, "-o", out])[1]
+
+    def nets(self, size, frames):
+        """A frame by the nets and its processor seconds."""
+        out, stats = self.folder / f"nets-{size}.exr", self.folder / "stats.json"
+        measure = ["--frames", str(frames), "--json-stats", stats]
+        run([self.rrf, "render", self.run, *self.light, "--size", size, *measure, "-o", out])
+        return out, json.loads(stats.read_text())["processor_ms"] / 1e3
+
+    def square(self, frame, reference):
+        """Squared relative error."""
+        measures = json.loads(run([self.rrf, "compare", frame, reference, "--json"])[0])["measures"]
+        return next(m["value"] for m in measures if m["name"] == "relative_error") ** 2
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("run")
     parser.add_argument("--rrf", default="target/release/rrf")
+    parser.add_argument("--scene", help="if it is no longer where the run was baked from")
     parser.add_argument("--light", default="0.1,1.6,0.2,4,4,4")
-    parser.add_argument("--size", default="512x512")
-    parser.add_argument("--spp", type=int, default=1024)
+    parser.add_argument("--size", default="128x128")
+    parser.add_argument("--time-size", default="512x512")
+    parser.add_argument("--spp", type=int, default=4096)
     options = parser.parse_args()
-    scene = json.loads((pathlib.Path(options.run) / "run.json").read_text())["scene"]
-    rrf, light = options.rrf, ["--light", options.light]
 
     with tempfile.TemporaryDirectory() as folder:
-        folder = pathlib.Path(folder)
+        case = Case(options, pathlib.Path(folder))
+        references = [case.trace(options.spp, options.size, seed)[0] for seed in (98, 99)]
+        noise = case.square(*references) / 2
 
-        def error(frame):
-            compare = [rrf, "compare", frame, folder / "reference.exr", "--json"]
-            measures = json.loads(run(compare)[0])["measures"]
-            return next(m["value"] for m in measures if m["name"] == "relative_error")
+        def against_both(frame):
+            return statistics.mean(case.square(frame, r) for r in references) - noise
 
-        def trace(name, spp, size=options.size, seed=1):
-            out = folder / f"{name}.exr"
-            paths = ["--spp", str(spp), "--seed", str(seed), "--size", size]
-            return out, run([rrf, "trace", "-q", scene, *light, *paths, "-o", out])[1]
+        nets = against_both(case.nets(options.size, 1)[0])
+        print(f"references: {options.spp} paths, relative error {noise**0.5:.4f} each")
+        print(f"nets: relative error {max(nets, 0) ** 0.5:.4f}, the references' noise taken out")
 
-        trace("reference", options.spp, seed=99)
-        nets, stats = folder / "nets.exr", folder / "stats.json"
-        measure = ["--frames", "40", "--json-stats", stats]
-        run([rrf, "render", options.run, *light, "--size", options.size, *measure, "-o", nets])
-        stats = json.loads(stats.read_text())
-        ours, ours_error = stats["processor_ms"] / 1e3, error(nets)
-        print(f"nets: {1e3 * ours:.1f} ms of processor, relative error {ours_error:.4f}")
-
-        start_up = trace("start", 2, "1x1")[1]
-        for spp in (2, 8, 32):
-            frame, seconds = trace("traced", spp)
-            seconds = max(seconds - start_up, 0.0)
-            # the reference's own variance is in the measured one
-            square = error(frame) ** 2 / (1 + spp / options.spp)
-            paths = spp * square / ours_error**2
-            equal = seconds * paths / spp
+        ours = case.nets(options.time_size, 60)[1]
+        few, many = (
+            statistics.median(case.trace(spp, options.time_size, seed)[1] for seed in (1, 2, 3))
+            for spp in (2, 16)
+        )
+        a_path = (many - few) / 14
+        print(f"{options.time_size}: nets {1e3 * ours:.1f} ms, one path a pixel {1e3 * a_path:.1f} ms")
+        for spp in (16, 64, 256):
+            square = against_both(case.trace(spp, options.size, 7)[0])
+            paths = spp * square / nets
             print(
-                f"{spp} paths: {seconds:.2f} s of processor, relative error {square**0.5:.4f}; "
-                f"the nets' error at {paths:.0f} paths, {equal:.1f} s: {equal / ours:.0f} times"
+                f"{spp} paths: relative error {square**0.5:.4f}; the nets' at {paths:.0f} paths, "
+                f"{paths * a_path:.1f} s of processor: {paths * a_path / ours:.0f} times"
             )
 
 

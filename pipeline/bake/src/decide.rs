@@ -149,6 +149,7 @@ fn apply(next: &mut RoundPlan, remedy: &Remedy) {
             let leaf = next.tree.leaves()[old.cell as usize];
             let mut cell = CellPlan {
                 fitted: next.round,
+                earlier: Some([old.fitted, old.cell]),
                 ..old
             };
             draw(next, &mut cell, leaf, remedy.rows, remedy.paths);
@@ -158,6 +159,7 @@ fn apply(next: &mut RoundPlan, remedy: &Remedy) {
             let cell = CellPlan {
                 size: size.clone(),
                 fitted: next.round,
+                earlier: Some([old.fitted, old.cell]),
                 ..old
             };
             replace(next, cell);
@@ -183,6 +185,7 @@ fn split(next: &mut RoundPlan, old: &CellPlan, remedy: &Remedy, cut: &Cut, left:
             parts: taken(old, id),
             size: old.size.clone(),
             fitted: next.round,
+            earlier: Some([old.fitted, old.cell]),
         };
         let rows = (f64::from(remedy.rows) * (1.0 - share)).round() as u32;
         draw(next, &mut cell, node, rows, remedy.paths);

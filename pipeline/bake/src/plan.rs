@@ -41,6 +41,9 @@ pub struct CellPlan {
     pub size: Size,
     /// Round in which it is fitted: this one, or an earlier one whose fit stays.
     pub fitted: u32,
+    /// Round and cell of the fit that this one goes on from.
+    #[serde(default)]
+    pub earlier: Option<[u32; 2]>,
 }
 
 /// A whole round.
@@ -75,6 +78,7 @@ impl RoundPlan {
             parts: draw_parts(&mut draws, leaf as u32, share.rows, paths, 0),
             size: size.clone(),
             fitted: 0,
+            earlier: None,
         });
         RoundPlan {
             round: 0,

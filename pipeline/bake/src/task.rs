@@ -117,7 +117,13 @@ pub fn files_of(plan: &RoundPlan, task: &Task) -> Vec<String> {
     let id = task.cell;
     let mut files = vec![format!("samples/cell={id:06}/")];
     match task.stage {
-        Stage::Train => files.push(format!("rounds/{:03}/fits/cell={id:06}/", task.round)),
+        Stage::Train => {
+            let earlier = plan.cells.get(id as usize).and_then(|cell| cell.earlier);
+            let fits = std::iter::once([task.round, id]).chain(earlier);
+            files.extend(
+                fits.map(|[round, cell]| format!("rounds/{round:03}/fits/cell={cell:06}/")),
+            );
+        }
         Stage::Extract => {
             let cell = plan.cells.get(id as usize);
             let parts = cell.into_iter().flat_map(|cell| &cell.parts);
@@ -235,6 +241,7 @@ struct FitInput<'a> {
     version: &'static str,
     cell: u32,
     round: u32,
+    earlier: Option<[u32; 2]>,
     parts: &'a [String],
     config: TrainConfig,
     lambert: &'a [bool],
@@ -250,6 +257,7 @@ fn fit_hash(
         version: VERSION,
         cell: cell.cell,
         round: cell.fitted,
+        earlier: cell.earlier,
         parts,
         config: fit_config(run, plan, cell),
         lambert: &plan.lambert,

@@ -7,6 +7,7 @@ use crate::split::is_held_out;
 use crate::task::{Stage, Task, draw, fit_config};
 use rrf_extract::{Draw, Lookout};
 use rrf_field::columns::{self, Columns};
+use rrf_field::model::CellModel;
 use rrf_field::tree::{self, Tree};
 use rrf_scene::Scene;
 use rrf_store::layout::{fit_folder, list_parts, part_path};
@@ -14,7 +15,7 @@ use rrf_store::model::{self, CellMetrics, Domain, Fit, FitStep, SquareError};
 use rrf_store::parts;
 use rrf_store::samples::SampleTable;
 use rrf_trace::Tracer;
-use rrf_train::{ErrorEstimate, HistoryRow, TrainConfig, fit_cell};
+use rrf_train::{ErrorEstimate, HistoryRow, TrainConfig, fit_cell_from};
 
 /// A scene ready to be sampled. Training needs none.
 pub struct Site<'a> {
@@ -185,7 +186,9 @@ pub(crate) fn read_cell(run: &Run, cell: &CellPlan) -> Result<SampleTable, BakeE
 
 fn train(run: &Run, plan: &RoundPlan, cell: &CellPlan, hash: &str) -> Result<(), BakeError> {
     let table = read_cell(run, cell)?;
-    let fit = fit(&table, &plan.lambert, &fit_config(run, plan, cell))?;
+    let earlier = earlier(run, cell)?;
+    let config = fit_config(run, plan, cell);
+    let fit = fit(earlier.as_ref(), &table, &plan.lambert, &config)?;
     let steps: Vec<FitStep> = fit.report.history.iter().map(step).collect();
     let fit = Fit {
         domain: span(&table.columns),
@@ -210,8 +213,18 @@ fn step(row: &HistoryRow) -> FitStep {
     }
 }
 
+/// The net that a cell's fit goes on from.
+fn earlier(run: &Run, cell: &CellPlan) -> Result<Option<CellModel>, BakeError> {
+    let Some([round, from]) = cell.earlier else {
+        return Ok(None);
+    };
+    let folder = fit_folder(&run.folder, round, from);
+    Ok(Some(model::read_fit(&folder, &run.facts())?.model))
+}
+
 /// One cell's fit; rows are held out by a hash of their index.
 fn fit(
+    earlier: Option<&CellModel>,
     table: &SampleTable,
     lambert: &[bool],
     config: &TrainConfig,
@@ -230,7 +243,8 @@ fn fit(
         ..config.clone()
     };
     let halves = [table.halves[0].as_slice(), table.halves[1].as_slice()];
-    Ok(fit_cell(
+    Ok(fit_cell_from(
+        earlier,
         table.cell_id,
         &table.columns,
         halves,

@@ -1,6 +1,6 @@
 //! `rrf bake`, `rrf extract`, `rrf train`.
 
-use crate::args::{BakeArgs, BakeSettings, ExtractArgs, Method, TrainArgs, TrainMode};
+use crate::args::{BakeArgs, BakeSettings, ExtractArgs, Hidden, Method, TrainArgs, TrainMode};
 use crate::place::Place;
 use crate::progress::Bars;
 use crate::scene;
@@ -146,6 +146,12 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractE
     config.most_cells = args
         .most_cells
         .unwrap_or(config.most_cells.max(config.extract.cells));
+    if let Some(Hidden(units)) = &args.hidden {
+        config.train.size = Size::Hidden(units.clone());
+    }
+    if let Some(inputs) = &args.inputs {
+        config.train.inputs.clone_from(inputs);
+    }
     match args.method {
         Method::Nets => {}
         Method::LinearOutputs => config.train.exponential = false,

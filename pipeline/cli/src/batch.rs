@@ -224,6 +224,8 @@ fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettin
         rounds: own.rounds.or(defaults.rounds),
         most_cells: own.most_cells.or(defaults.most_cells),
         method: Method::Nets,
+        hidden: None,
+        inputs: None,
         scene_options: SceneOptions {
             default_albedo,
             light_units,

@@ -244,4 +244,47 @@ mod tests {
             "a room, seen from within"
         );
     }
+
+    /// A level's room is a closed shell wound inward. Standing in it is not standing in a solid;
+    /// standing in the crate in it, or between it and the next house, is.
+    #[test]
+    fn an_eye_in_a_room_of_a_level_is_free() {
+        let mut scene = cornell();
+        let material = scene.triangle_material[0];
+        let mut add = |low: Vec3, high: Vec3, inward: bool| {
+            let first = scene.positions.len() as u32;
+            for i in 0..8 {
+                let pick = |axis: usize| if i >> axis & 1 == 1 { high } else { low }[axis];
+                scene.positions.push(Vec3::new(pick(0), pick(1), pick(2)));
+                scene.normals.push(Vec3::ZERO);
+                scene.uvs.push(glam::Vec2::ZERO);
+            }
+            for [a, b, c, d] in [
+                [0, 4, 6, 2],
+                [1, 3, 7, 5],
+                [0, 1, 5, 4],
+                [2, 6, 7, 3],
+                [0, 2, 3, 1],
+                [4, 5, 7, 6],
+            ] {
+                for [a, b, c] in [[a, b, c], [a, c, d]] {
+                    let t = if inward { [a, c, b] } else { [a, b, c] };
+                    scene.triangles.push(t.map(|i: u32| first + i));
+                    scene.triangle_material.push(material);
+                    scene.triangle_light.push(INVALID);
+                    scene.triangle_object.push(0);
+                }
+            }
+        };
+        let at = |x: f32| Vec3::new(x, 0.0, 0.0);
+        add(at(5.0), at(5.0) + Vec3::splat(4.0), true);
+        add(at(6.0), at(6.0) + Vec3::ONE, false);
+        let tracer = Tracer::new(&scene).unwrap();
+        let lookout = Lookout::new(&scene, &tracer);
+        assert!(!lookout.inside_solid(Vec3::new(8.0, 2.0, 2.0)), "the room");
+        assert!(lookout.inside_solid(Vec3::new(6.5, 0.5, 0.5)), "its crate");
+        assert!(!lookout.inside_solid(Vec3::new(0.0, 1.0, 0.8)), "the box");
+        let block = Vec3::new(0.33, 0.3, 0.37);
+        assert!(lookout.inside_solid(block), "its short block");
+    }
 }

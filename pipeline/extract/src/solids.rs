@@ -2,12 +2,13 @@
 //!
 //! Triangles that share edges form a component. A component in which every edge is shared by
 //! exactly two triangles encloses a volume: a solid, whichever way its triangles are wound, or
-//! the room itself, if they are wound inward or it encloses everything else. In open components
-//! the winding alone can tell front from back.
+//! a room, if they are wound inward and other surfaces stand within it, or if it encloses
+//! everything else. In open components the winding alone can tell front from back.
 
 use glam::{DVec3, Vec3};
 use rrf_scene::Scene;
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 
 /// Corners nearer than this share of the scene's diagonal are one corner.
 const WELD: f32 = 1e-6;
@@ -45,8 +46,44 @@ pub fn shells(scene: &Scene) -> Vec<Shell> {
     let whole = facts.iter().fold(Facts::default(), |all, f| all.join(f));
     let diagonal = (whole.high - whole.low).length();
     let shell = |f: &Facts| f.shell(&whole, SAME_BOUNDS * diagonal, count);
-    let of: Vec<Shell> = facts.iter().map(shell).collect();
+    let mut of: Vec<Shell> = facts.iter().map(shell).collect();
+    for (c, shell) in (0u32..).zip(&mut of) {
+        // seen from within, by whoever furnished it: a room
+        if *shell == Shell::Inward && furnished(scene, &component, c, &facts[c as usize]) {
+            *shell = Shell::Open;
+        }
+    }
     component.iter().map(|&c| of[c as usize]).collect()
+}
+
+/// Most triangles that are looked for within a component.
+const MOST_FURNITURE: usize = 256;
+
+/// Whether any of the other components' triangles lies within the closed component `own`.
+fn furnished(scene: &Scene, component: &[u32], own: u32, facts: &Facts) -> bool {
+    let corners = |t: usize| scene.triangles[t].map(|v| scene.positions[v as usize].as_dvec3());
+    let of = |mine: bool| move |&t: &usize| (component[t] == own) == mine;
+    let shell: Vec<[DVec3; 3]> = (0..component.len()).filter(of(true)).map(corners).collect();
+    let (low, high) = (facts.low.as_dvec3(), facts.high.as_dvec3());
+    let middles = (0..component.len()).filter(of(false)).map(|t| {
+        let [a, b, c] = corners(t);
+        (a + b + c) / 3.0
+    });
+    let within: Vec<DVec3> = middles
+        .filter(|p| (p.cmpgt(low) & p.cmplt(high)).all())
+        .collect();
+    let step = within.len().div_ceil(MOST_FURNITURE).max(1);
+    let mut looked = within.iter().step_by(step);
+    looked.any(|&p| shell.iter().map(|t| solid_angle(*t, p)).sum::<f64>().abs() > TAU)
+}
+
+/// Signed solid angle of a triangle seen from `p` (Van Oosterom and Strackee 1983). Those of a
+/// closed surface sum to 4π inside of it and to 0 outside.
+fn solid_angle(triangle: [DVec3; 3], p: DVec3) -> f64 {
+    let [a, b, c] = triangle.map(|x| x - p);
+    let (la, lb, lc) = (a.length(), b.length(), c.length());
+    let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    2.0 * a.dot(b.cross(c)).atan2(below)
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -180,4 +217,79 @@ fn root(parent: &mut [u32], mut t: u32) -> u32 {
         t = parent[t as usize];
     }
     t
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The twelve triangles of a box, wound outward.
+    fn box_triangles(low: DVec3, high: DVec3) -> Vec<[DVec3; 3]> {
+        let corner = |i: usize| {
+            let pick = |axis: usize| if i >> axis & 1 == 1 { high } else { low }[axis];
+            DVec3::new(pick(0), pick(1), pick(2))
+        };
+        let quads = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
+        let halves = |[a, b, c, d]: [usize; 4]| [[a, b, c], [a, c, d]];
+        let ids = quads.into_iter().flat_map(halves);
+        ids.map(|t| t.map(corner)).collect()
+    }
+
+    fn scene(boxes: &[(DVec3, DVec3, bool)]) -> Scene {
+        let mut scene = Scene::default();
+        for &(low, high, inward) in boxes {
+            for mut triangle in box_triangles(low, high) {
+                if inward {
+                    triangle.swap(1, 2);
+                }
+                let first = scene.positions.len() as u32;
+                scene.positions.extend(triangle.map(|p| p.as_vec3()));
+                scene.triangles.push([first, first + 1, first + 2]);
+            }
+        }
+        scene
+    }
+
+    /// A box seen from its middle takes up the whole sphere, from outside nothing; a face of a
+    /// cube a sixth of it.
+    #[test]
+    fn solid_angles_sum_to_the_sphere() {
+        let cube = box_triangles(DVec3::NEG_ONE, DVec3::ONE);
+        let sum = |p: DVec3| cube.iter().map(|&t| solid_angle(t, p)).sum::<f64>();
+        assert!((sum(DVec3::ZERO) - 2.0 * TAU).abs() < 1e-12);
+        assert!((sum(DVec3::new(0.3, -0.9, 0.5)) - 2.0 * TAU).abs() < 1e-12);
+        assert!(sum(DVec3::new(0.0, 3.0, 0.2)).abs() < 1e-12);
+        let face: f64 = cube[..2].iter().map(|&t| solid_angle(t, DVec3::ZERO)).sum();
+        assert!((face - TAU / 3.0).abs() < 1e-12);
+    }
+
+    /// Of a building's inward shells, the one with a table in it is a room, the empty one a
+    /// solid with its faces the wrong way round; the table is a solid, either way round.
+    #[test]
+    fn a_furnished_shell_is_a_room() {
+        let at = |x: f64| DVec3::new(x, 0.0, 0.0);
+        let room = (DVec3::ZERO, DVec3::splat(4.0), true);
+        let empty = (at(6.0), at(6.0) + DVec3::splat(2.0), true);
+        let far = (at(20.0), at(20.0) + DVec3::ONE, false);
+        for inward in [false, true] {
+            let table = (DVec3::splat(1.0), DVec3::splat(2.0), inward);
+            let of = shells(&scene(&[room, table, empty, far]));
+            assert_eq!(of[0], Shell::Open);
+            let kind = if inward {
+                Shell::Inward
+            } else {
+                Shell::Outward
+            };
+            assert_eq!(of[12], kind);
+            assert_eq!(of[24], Shell::Inward);
+            assert_eq!(of[36], Shell::Outward);
+        }
+    }
 }

@@ -9,7 +9,7 @@ use rrf_field::columns::{self, Columns};
 use rrf_field::model::CellModel;
 use rrf_field::net::{self, Shape};
 use rrf_field::tree::Tree;
-use rrf_field::{Field, Light};
+use rrf_field::{Field, Light, Workspace};
 use std::hint::black_box;
 
 const ROWS: usize = 262_144;
@@ -124,12 +124,12 @@ fn evaluate(criterion: &mut Criterion) {
             });
         });
         for count in [1, 16] {
-            let lights = lights(count);
+            let lit = field.under(&lights(count));
+            let mut work = Workspace::default();
             group.bench_function(format!("{name}, {count} lights at once"), |b| {
                 b.iter(|| {
                     for rows in &tiles {
-                        field
-                            .evaluate_lights(black_box(rows), &lights, &mut out, &mut cells)
+                        lit.evaluate(black_box(rows), &mut work, &mut out, &mut cells, None)
                             .expect("valid rows");
                     }
                 });

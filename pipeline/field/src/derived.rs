@@ -25,12 +25,13 @@ pub type RawBlock = [Lane; columns::COUNT];
 /// The derived inputs of a block.
 pub type DerivedBlock = [Lane; DERIVED];
 
-/// The derived inputs of one row, in the order of `INPUTS[18..]`:
+/// The derived inputs of one row, which the columns are tested against, in the order of
+/// `INPUTS[18..]`:
 /// d (3), 1/‖l−p‖, (mirror direction of v about n)·d, n·d, n·v, with d = (l−p)/‖l−p‖.
 /// A light on the point itself has d = 0 and inverse distance 0.
 ///
 /// Plain multiplies and adds, never fused: training and rendering see the same bits.
-#[inline(always)]
+#[cfg(test)]
 pub fn derive(p: [f32; 3], n: [f32; 3], v: [f32; 3], l: [f32; 3]) -> [f32; DERIVED] {
     let to = [l[0] - p[0], l[1] - p[1], l[2] - p[2]];
     let distance = dot(to, to).sqrt();
@@ -40,19 +41,64 @@ pub fn derive(p: [f32; 3], n: [f32; 3], v: [f32; 3], l: [f32; 3]) -> [f32; DERIV
     [d[0], d[1], d[2], inverse, 2.0 * n_v * n_d - v_d, n_d, n_v]
 }
 
-/// [`derive`] for every row of a block.
+/// Which derived inputs are wanted; the others keep what an earlier block left.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// Direction and inverse distance to the light.
+    pub light: bool,
+    /// Those that the normal or the viewer enters.
+    pub angles: bool,
+}
+
+impl Wanted {
+    /// Everything.
+    pub const ALL: Wanted = Wanted {
+        light: true,
+        angles: true,
+    };
+
+    /// What the inputs (places in [`crate::model::INPUTS`]) need.
+    pub fn of(inputs: &[u8]) -> Wanted {
+        const ANGLES: usize = columns::COUNT + 4;
+        let derived = |&i: &usize| i >= columns::COUNT;
+        let places = || inputs.iter().map(|&i| usize::from(i)).filter(derived);
+        Wanted {
+            light: places().next().is_some(),
+            angles: places().any(|i| i >= ANGLES),
+        }
+    }
+}
+
+/// Rows that are derived together: the widest registers.
+const TOGETHER: usize = 16;
+
+/// [`derive`] for the first `rows` rows of a block (and some beyond).
+///
+/// Column by column: [`derive`]'s rows of seven are not turned into vector instructions.
 #[inline(always)]
-pub fn derive_block(raw: &RawBlock, out: &mut DerivedBlock) {
-    for r in 0..BLOCK {
-        let vec3 = |c: usize| [raw[c].0[r], raw[c + 1].0[r], raw[c + 2].0[r]];
-        let row = derive(
-            vec3(columns::P),
-            vec3(columns::N),
-            vec3(columns::V),
-            vec3(columns::L),
-        );
-        for (out, value) in out.iter_mut().zip(row) {
-            out.0[r] = value;
+pub fn derive_block(raw: &RawBlock, rows: usize, wanted: Wanted, out: &mut DerivedBlock) {
+    let rows = rows.next_multiple_of(TOGETHER).min(BLOCK);
+    let [dx, dy, dz, inverse, mirror, cos_light, cos_view] = out;
+    let [px, py, pz, nx, ny, nz, vx, vy, vz, lx, ly, lz, ..] = raw;
+    if wanted.light {
+        for r in 0..rows {
+            let (x, y, z) = (lx.0[r] - px.0[r], ly.0[r] - py.0[r], lz.0[r] - pz.0[r]);
+            let distance = (x * x + y * y + z * z).sqrt();
+            let over = if distance > 0.0 { 1.0 / distance } else { 0.0 };
+            dx.0[r] = x * over;
+            dy.0[r] = y * over;
+            dz.0[r] = z * over;
+            inverse.0[r] = over;
+        }
+    }
+    if wanted.angles {
+        for r in 0..rows {
+            let (n, v) = ([nx.0[r], ny.0[r], nz.0[r]], [vx.0[r], vy.0[r], vz.0[r]]);
+            let d = [dx.0[r], dy.0[r], dz.0[r]];
+            let (n_d, n_v, v_d) = (dot(n, d), dot(n, v), dot(v, d));
+            mirror.0[r] = 2.0 * n_v * n_d - v_d;
+            cos_light.0[r] = n_d;
+            cos_view.0[r] = n_v;
         }
     }
 }
@@ -67,7 +113,7 @@ pub fn derive_column(which: usize, rows: &Columns, out: &mut Vec<f32>) {
         for (lane, column) in raw.iter_mut().zip(&rows.columns[..columns::GEOMETRY]) {
             lane.0[..end - start].copy_from_slice(&column[start..end]);
         }
-        derive_block(&raw, &mut derived);
+        derive_block(&raw, end - start, Wanted::ALL, &mut derived);
         out.extend_from_slice(&derived[which].0[..end - start]);
     }
 }

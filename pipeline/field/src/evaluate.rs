@@ -3,11 +3,11 @@
 use crate::columns::{self, Columns};
 use crate::derived::{self, BLOCK, DERIVED, DerivedBlock, Lane, RawBlock};
 use crate::error::FieldError;
-use crate::kernel::{self, Scratch};
+use crate::kernel::{self, Begin, Scratch};
 use crate::model::{CellModel, INPUTS};
 use crate::packed::Packed;
 use crate::tree::Tree;
-use crate::walk::Walk;
+use crate::walk::{Groups, Walk};
 use multiversion::{multiversion, target::match_target};
 
 /// A kd-tree and the model of each of its cells.
@@ -61,8 +61,11 @@ impl Field {
         check_rows(rows)?;
         cells.clear();
         cells.resize(rows.len(), u32::MAX);
-        self.walk
-            .groups(rows, None, |group| mark(cells, group.rows, group.cell));
+        let mut groups = Groups::default();
+        self.walk.groups(rows, None, &mut groups);
+        for (cell, ids, _) in groups.iter() {
+            mark(cells, ids, cell);
+        }
         Ok(())
     }
 
@@ -76,12 +79,14 @@ impl Field {
         cells: &mut Vec<u32>,
     ) -> Result<(), FieldError> {
         self.prepare(rows, out, cells)?;
-        let mut scratch = Scratch::new(self.width);
-        self.walk.groups(rows, None, |group| {
-            mark(cells, group.rows, group.cell);
-            let packed = &self.packed[group.cell as usize];
-            evaluate_cell(packed, rows, group.rows, &mut scratch, out);
-        });
+        let mut scratch = Scratch::default();
+        scratch.widen(self.width);
+        let mut groups = Groups::default();
+        self.walk.groups(rows, None, &mut groups);
+        for (cell, ids, _) in groups.iter() {
+            mark(cells, ids, cell);
+            evaluate_cell(&self.packed[cell as usize], rows, ids, &mut scratch, out);
+        }
         Ok(())
     }
 
@@ -123,15 +128,15 @@ fn evaluate_cell(
     out: &mut [Vec<f32>; 3],
 ) {
     match_target! {
-        "x86_64+avx512f" => evaluate_with::<true, 32>(packed, rows, ids, scratch, out),
-        "x86_64+fma" => evaluate_with::<true, 16>(packed, rows, ids, scratch, out),
-        "aarch64" => evaluate_with::<true, 8>(packed, rows, ids, scratch, out),
-        _ => evaluate_with::<false, 8>(packed, rows, ids, scratch, out),
+        "x86_64+avx512f" => evaluate_with::<true, 32, 16>(packed, rows, ids, scratch, out),
+        "x86_64+fma" => evaluate_with::<true, 16, 8>(packed, rows, ids, scratch, out),
+        "aarch64" => evaluate_with::<true, 8, 8>(packed, rows, ids, scratch, out),
+        _ => evaluate_with::<false, 8, 8>(packed, rows, ids, scratch, out),
     }
 }
 
 #[inline(always)]
-fn evaluate_with<const FUSED: bool, const LANES: usize>(
+fn evaluate_with<const FUSED: bool, const LANES: usize, const HALF: usize>(
     packed: &Packed,
     rows: &Columns,
     ids: &[u32],
@@ -142,18 +147,20 @@ fn evaluate_with<const FUSED: bool, const LANES: usize>(
     let mut derived: DerivedBlock = [Lane::ZERO; DERIVED];
     let mut result = [Lane::ZERO; 3];
     for ids in ids.chunks(BLOCK) {
-        gather(packed, rows, ids, &mut raw);
-        if packed.derived {
-            derived::derive_block(&raw, &mut derived);
-        }
-        kernel::scale(
+        gather::<true>(packed, rows, ids, &mut raw);
+        derived::derive_block(&raw, ids.len(), packed.wanted, &mut derived);
+        let (all, count) = (0..packed.sizes[0], ids.len());
+        let scaled = &mut scratch.scaled;
+        kernel::scale(packed, all.clone(), count, &raw, &derived, scaled);
+        kernel::net::<FUSED, LANES, HALF>(
             packed,
-            0..packed.sizes[0],
+            count,
+            all,
+            Begin::Own,
             &raw,
-            &derived,
-            &mut scratch.scaled,
+            scratch,
+            &mut result,
         );
-        kernel::net::<FUSED, LANES>(packed, ids.len(), false, &raw, scratch, &mut result);
         for (out, result) in out.iter_mut().zip(&result) {
             match run(ids) {
                 Some(run) => out[run].copy_from_slice(&result.0[..ids.len()]),
@@ -167,12 +174,22 @@ fn evaluate_with<const FUSED: bool, const LANES: usize>(
     }
 }
 
-/// The rows' columns that the cell reads. Rows beyond `ids` keep what an earlier block left.
+/// The rows' columns that the cell reads; those of the light where rows bring their own (`OWN`).
+/// Rows beyond `ids` keep what an earlier block left.
 #[inline(always)]
-pub(crate) fn gather(packed: &Packed, rows: &Columns, ids: &[u32], raw: &mut RawBlock) {
+pub(crate) fn gather<const OWN: bool>(
+    packed: &Packed,
+    rows: &Columns,
+    ids: &[u32],
+    raw: &mut RawBlock,
+) {
     let run = run(ids);
     for &c in &packed.columns {
-        let (lane, column) = (&mut raw[usize::from(c)].0, &rows.columns[usize::from(c)]);
+        let c = usize::from(c);
+        if !OWN && (columns::L..columns::L + 3).contains(&c) {
+            continue;
+        }
+        let (lane, column) = (&mut raw[c].0, &rows.columns[c]);
         match &run {
             Some(run) => lane[..ids.len()].copy_from_slice(&column[run.clone()]),
             None => {
@@ -279,20 +296,16 @@ mod tests {
         type Evaluate = fn(&Packed, &Columns, &[u32], &mut Scratch, &mut [Vec<f32>; 3]);
         let run = |with: Evaluate| {
             let mut out = [(); 3].map(|()| vec![0.0f32; 150]);
-            with(
-                &packed,
-                &rows,
-                &ids,
-                &mut Scratch::new(packed.width()),
-                &mut out,
-            );
+            let mut scratch = Scratch::default();
+            scratch.widen(packed.width());
+            with(&packed, &rows, &ids, &mut scratch, &mut out);
             out
         };
-        let plain = run(evaluate_with::<false, 8>);
-        let fused = run(evaluate_with::<true, 8>);
-        assert_eq!(fused, run(evaluate_with::<true, 16>));
-        assert_eq!(fused, run(evaluate_with::<true, 32>));
-        assert_eq!(plain, run(evaluate_with::<false, 32>));
+        let plain = run(evaluate_with::<false, 8, 8>);
+        let fused = run(evaluate_with::<true, 8, 8>);
+        assert_eq!(fused, run(evaluate_with::<true, 16, 8>));
+        assert_eq!(fused, run(evaluate_with::<true, 32, 16>));
+        assert_eq!(plain, run(evaluate_with::<false, 32, 16>));
         let dispatched = run(evaluate_cell);
         assert!(dispatched == fused || dispatched == plain);
         for (plain, fused) in plain.iter().zip(&fused) {

@@ -5,12 +5,14 @@
 //! A row's result depends on its own inputs only, never on its place in the block.
 
 use crate::columns;
-use crate::derived::{BLOCK, DerivedBlock, Lane, RawBlock};
+use crate::derived::{DerivedBlock, Lane, RawBlock};
 use crate::exp::exp;
 use crate::packed::{Packed, group};
 use crate::tanh::{multiply_add, tanh};
+use std::ops::Range;
 
 /// Working columns of one evaluation.
+#[derive(Clone, Debug, Default)]
 pub struct Scratch {
     /// Scaled inputs.
     pub scaled: Vec<Lane>,
@@ -21,22 +23,34 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// For nets at most `width` units wide.
-    pub fn new(width: usize) -> Scratch {
-        let lanes = || vec![Lane::ZERO; width];
-        Scratch {
-            scaled: lanes(),
-            sums: lanes(),
-            activations: [lanes(), lanes()],
+    /// Makes room for nets at most `width` units wide.
+    pub fn widen(&mut self, width: usize) {
+        let [x, y] = &mut self.activations;
+        for lanes in [&mut self.scaled, &mut self.sums, x, y] {
+            if lanes.len() < width {
+                lanes.resize(width, Lane::ZERO);
+            }
         }
     }
 }
 
-/// Scales inputs `range` of the block into `scaled`.
+/// Where the first layer's sums begin.
+#[derive(Clone, Copy)]
+pub enum Begin<'a> {
+    /// At the model's own biases.
+    Own,
+    /// At these, one a unit.
+    At(&'a [f32]),
+    /// At these plus what `scratch.sums` holds.
+    AfterSums(&'a [f32]),
+}
+
+/// Scales inputs `range` of the block's first `rows` rows into `scaled`.
 #[inline(always)]
 pub fn scale(
     packed: &Packed,
-    range: std::ops::Range<usize>,
+    range: Range<usize>,
+    rows: usize,
     raw: &RawBlock,
     derived: &DerivedBlock,
     scaled: &mut [Lane],
@@ -48,40 +62,47 @@ pub fn scale(
             None => &derived[input - columns::COUNT],
         };
         let (offset, factor) = (packed.offset[k], packed.scale[k]);
-        for (out, x) in scaled[k].0.iter_mut().zip(&source.0) {
-            *out = (x - offset) * factor;
+        let target = scaled[k].0.as_chunks_mut::<16>().0;
+        let source = source.0.as_chunks::<16>().0;
+        for (out, x) in target.iter_mut().zip(source).take(rows.div_ceil(16)) {
+            for i in 0..16 {
+                out[i] = (x[i] - offset) * factor;
+            }
         }
     }
 }
 
-/// First-layer sums over the inputs that the light does not change, into `scratch.sums`,
-/// of the block's first `rows` rows.
+/// First-layer sums over the inputs that the light does not change, without biases, into
+/// `scratch.sums`, of the block's first `rows` rows.
 #[inline(always)]
-pub fn fixed_sums<const FUSED: bool, const LANES: usize>(
+pub fn fixed_sums<const FUSED: bool, const LANES: usize, const HALF: usize>(
     packed: &Packed,
     rows: usize,
     scratch: &mut Scratch,
 ) {
     let (n_in, n_out) = (packed.sizes[0], packed.sizes[1]);
     let x = &scratch.scaled[..packed.fixed];
-    layer::<FUSED, LANES>(
-        &packed.weights,
-        rows,
-        n_in,
-        0,
-        x,
-        &mut scratch.sums[..n_out],
-        false,
-    );
+    let y = &mut scratch.sums[..n_out];
+    y.iter_mut().for_each(|sum| sum.0.fill(0.0));
+    let layer = Layer {
+        weights: &packed.weights,
+        inputs: n_in,
+        skip: 0,
+        begin: None,
+        onto: true,
+        hidden: false,
+    };
+    layer.sums::<FUSED, LANES, HALF>(rows, x, y);
 }
 
-/// The net on the scaled inputs of the first `rows` rows, its output scaled back, into `out`.
-/// With `resume` the first layer goes on from `scratch.sums`; the bits are the same.
+/// The net on the scaled inputs `span` of the first `rows` rows, its output scaled back, into
+/// `out`. Inputs outside the span are the business of `begin`.
 #[inline(always)]
-pub fn net<const FUSED: bool, const LANES: usize>(
+pub fn net<const FUSED: bool, const LANES: usize, const HALF: usize>(
     packed: &Packed,
     rows: usize,
-    resume: bool,
+    span: Range<usize>,
+    begin: Begin,
     raw: &RawBlock,
     scratch: &mut Scratch,
     out: &mut [Lane; 3],
@@ -98,106 +119,165 @@ pub fn net<const FUSED: bool, const LANES: usize>(
         } else {
             &mut out[..]
         };
+        let mut layer = Layer {
+            weights,
+            inputs: n_in,
+            skip: 0,
+            begin: None,
+            onto: false,
+            hidden,
+        };
         if l > 0 {
-            layer::<FUSED, LANES>(weights, rows, n_in, 0, &x[..n_in], target, hidden);
-        } else if resume {
-            target.copy_from_slice(&scratch.sums[..n_out]);
-            let x = &scratch.scaled[packed.fixed..n_in];
-            layer::<FUSED, LANES>(weights, rows, n_in, packed.fixed + 1, x, target, hidden);
+            layer.sums::<FUSED, LANES, HALF>(rows, &x[..n_in], target);
         } else {
-            let x = &scratch.scaled[..n_in];
-            layer::<FUSED, LANES>(weights, rows, n_in, 0, x, target, hidden);
+            layer.skip = span.start;
+            match begin {
+                Begin::Own => {}
+                Begin::At(biases) => layer.begin = Some(biases),
+                Begin::AfterSums(biases) => {
+                    layer.begin = Some(biases);
+                    layer.onto = true;
+                    target.copy_from_slice(&scratch.sums[..n_out]);
+                }
+            }
+            layer.sums::<FUSED, LANES, HALF>(rows, &scratch.scaled[span.clone()], target);
         }
         weights = &weights[(n_in + 1) * n_out..];
         std::mem::swap(&mut x, &mut y);
     }
-    finish::<FUSED>(packed, raw, out);
+    finish::<FUSED>(packed, rows, raw, out);
 }
 
-/// Exponentials where the outputs are exponents, output offset and scale, and the base colour where the target was divided by it.
+/// Exponentials where the outputs are exponents, output offset and scale, and the base colour
+/// where the target was divided by it.
 #[inline(always)]
-fn finish<const FUSED: bool>(packed: &Packed, raw: &RawBlock, out: &mut [Lane; 3]) {
+fn finish<const FUSED: bool>(packed: &Packed, rows: usize, raw: &RawBlock, out: &mut [Lane; 3]) {
     for (c, out) in out.iter_mut().enumerate() {
-        if packed.exponential {
-            for y in &mut out.0 {
-                *y = exp::<FUSED>(*y);
-            }
-        }
         let (factor, offset) = (packed.output_scale[c], packed.output_offset[c]);
-        for y in &mut out.0 {
-            *y = *y * factor + offset;
-        }
-        if packed.divide_base {
-            for (y, base) in out.0.iter_mut().zip(&raw[columns::BASE + c].0) {
-                *y *= base;
+        let base = raw[columns::BASE + c].0.as_chunks::<16>().0;
+        let out = out.0.as_chunks_mut::<16>().0;
+        for (y, base) in out.iter_mut().zip(base).take(rows.div_ceil(16)) {
+            if packed.exponential {
+                for y in y.iter_mut() {
+                    *y = exp::<FUSED>(*y);
+                }
+            }
+            for y in y.iter_mut() {
+                *y = *y * factor + offset;
+            }
+            if packed.divide_base {
+                for i in 0..16 {
+                    y[i] *= base[i];
+                }
             }
         }
     }
 }
 
-/// Sums of one layer of `n_in` inputs over the inputs `x`, and tanh of them where `hidden`.
-///
-/// `skip` is 0 to start at the biases, or 1 + the number of inputs already summed in `y`.
-#[inline(always)]
-fn layer<const FUSED: bool, const LANES: usize>(
-    weights: &[f32],
-    rows: usize,
-    n_in: usize,
+/// One layer, or the part of it over some of its inputs.
+struct Layer<'a> {
+    /// As in [`Packed::weights`], from this layer on.
+    weights: &'a [f32],
+    /// Inputs of the whole layer.
+    inputs: usize,
+    /// Inputs before those that are summed.
     skip: usize,
-    x: &[Lane],
-    y: &mut [Lane],
+    /// Biases in place of the layer's own, one a unit.
+    begin: Option<&'a [f32]>,
+    /// The sums go on from what the units hold; without `begin`, no bias is added to that.
+    onto: bool,
+    /// tanh of the sums.
     hidden: bool,
-) {
-    let (mut w, mut y) = (weights, y);
-    while !y.is_empty() {
-        let size = group(y.len());
-        let (now, later) = y.split_at_mut(size);
-        match size {
-            1 => neurons::<FUSED, LANES, 1>(w, rows, skip, x, now, hidden),
-            2 => neurons::<FUSED, LANES, 2>(w, rows, skip, x, now, hidden),
-            _ => neurons::<FUSED, LANES, 4>(w, rows, skip, x, now, hidden),
+}
+
+impl Layer<'_> {
+    /// The sums over the inputs `x`, of the first `rows` rows.
+    #[inline(always)]
+    fn sums<const FUSED: bool, const LANES: usize, const HALF: usize>(
+        &self,
+        rows: usize,
+        x: &[Lane],
+        y: &mut [Lane],
+    ) {
+        let (mut w, mut y, mut unit) = (self.weights, y, 0);
+        while !y.is_empty() {
+            let size = group(y.len());
+            let (now, later) = y.split_at_mut(size);
+            match size {
+                1 => self.some::<FUSED, LANES, HALF, 1>(w, unit, rows, x, now),
+                2 => self.some::<FUSED, LANES, HALF, 2>(w, unit, rows, x, now),
+                _ => self.some::<FUSED, LANES, HALF, 4>(w, unit, rows, x, now),
+            }
+            w = &w[size * (self.inputs + 1)..];
+            y = later;
+            unit += size;
         }
-        w = &w[size * (n_in + 1)..];
-        y = later;
+    }
+
+    /// `J` units, the first of them `unit`, whose weights are `w`.
+    #[inline(always)]
+    fn some<const FUSED: bool, const LANES: usize, const HALF: usize, const J: usize>(
+        &self,
+        w: &[f32],
+        unit: usize,
+        rows: usize,
+        x: &[Lane],
+        y: &mut [Lane],
+    ) {
+        let Some(y) = y.first_chunk_mut::<J>() else {
+            return;
+        };
+        let biases = match self.begin {
+            Some(biases) => biases[unit..].first_chunk::<J>(),
+            None if self.onto => Some(&[0.0; J]),
+            None => w.first_chunk::<J>(),
+        };
+        let Some(biases) = biases else {
+            return;
+        };
+        let w = w[J * (1 + self.skip)..].as_chunks::<J>().0;
+        let (full, rest) = (rows / LANES, rows % LANES);
+        let full = full + usize::from(rest > HALF);
+        for r in 0..full {
+            units::<FUSED, LANES, J>(w, *biases, self.onto, self.hidden, r, x, y);
+        }
+        if (1..=HALF).contains(&rest) {
+            let r = full * (LANES / HALF);
+            units::<FUSED, HALF, J>(w, *biases, self.onto, self.hidden, r, x, y);
+        }
     }
 }
 
-/// `J` neurons side by side, `LANES` rows at a time: J × LANES sums stay in registers.
+/// `J` units side by side, rows `LANES` · `r` and following: J × LANES sums stay in registers.
 #[inline(always)]
-fn neurons<const FUSED: bool, const LANES: usize, const J: usize>(
-    weights: &[f32],
-    rows: usize,
-    skip: usize,
-    x: &[Lane],
-    y: &mut [Lane],
+fn units<const FUSED: bool, const LANES: usize, const J: usize>(
+    w: &[[f32; J]],
+    biases: [f32; J],
+    onto: bool,
     hidden: bool,
+    r: usize,
+    x: &[Lane],
+    y: &mut [Lane; J],
 ) {
-    let Some(y) = y.first_chunk_mut::<J>() else {
-        return;
-    };
-    let (bias, weights) = weights.split_at(J * skip.max(1));
-    for r in 0..rows.min(BLOCK).div_ceil(LANES) {
-        let mut sums = [[0.0f32; LANES]; J];
+    let mut sums = [[0.0f32; LANES]; J];
+    for j in 0..J {
+        sums[j] = [biases[j]; LANES];
+        if onto {
+            sums[j] = add(y[j].0.as_chunks().0[r], sums[j]);
+        }
+    }
+    for (x, w) in x.iter().zip(w) {
+        let x: [f32; LANES] = x.0.as_chunks().0[r];
         for j in 0..J {
-            sums[j] = if skip == 0 {
-                [bias[j]; LANES]
-            } else {
-                y[j].0.as_chunks().0[r]
-            };
+            sums[j] = accumulate::<FUSED, LANES>(sums[j], w[j], x);
         }
-        for (x, w) in x.iter().zip(weights.as_chunks::<J>().0) {
-            let x: [f32; LANES] = x.0.as_chunks().0[r];
-            for j in 0..J {
-                sums[j] = accumulate::<FUSED, LANES>(sums[j], w[j], x);
-            }
-        }
-        for j in 0..J {
-            y[j].0.as_chunks_mut().0[r] = if hidden {
-                activate::<FUSED, LANES>(sums[j])
-            } else {
-                sums[j]
-            };
-        }
+    }
+    for j in 0..J {
+        y[j].0.as_chunks_mut().0[r] = if hidden {
+            activate::<FUSED, LANES>(sums[j])
+        } else {
+            sums[j]
+        };
     }
 }
 
@@ -214,6 +294,14 @@ fn accumulate<const FUSED: bool, const LANES: usize>(
         sum[i] = multiply_add::<FUSED>(weight, x[i], sum[i]);
     }
     sum
+}
+
+#[inline(always)]
+fn add<const LANES: usize>(mut a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
+    for i in 0..LANES {
+        a[i] += b[i];
+    }
+    a
 }
 
 #[inline(always)]

@@ -25,6 +25,6 @@ mod walk;
 pub use error::FieldError;
 pub use evaluate::Field;
 pub use exp::{EXP_ERROR, MAX_EXPONENT};
-pub use lights::Light;
+pub use lights::{Light, Lit, Workspace};
 pub use spent::Spent;
 pub use tanh::TANH_ERROR;

@@ -1,14 +1,16 @@
 //! One set of rows under many lights: s+ = Σ_k c_k ∘ Φ(x_p, v, l_k, n, a) (Ren et al. 2013, sect. 3).
 //!
-//! What a cell computes from p, n, v and a serves all the lights that reach it.
+//! Once a frame, each light's position is worked into the first layer's biases of every cell that
+//! it reaches. What a cell computes from p, n, v and a serves all the lights that reach it.
 
 use crate::columns::{self, Columns};
 use crate::derived::{self, BLOCK, DERIVED, DerivedBlock, Lane, RawBlock};
 use crate::error::FieldError;
 use crate::evaluate::{Field, gather, mark, run};
-use crate::kernel::{self, Scratch};
+use crate::kernel::{self, Begin, Scratch};
 use crate::packed::Packed;
 use crate::spent::{Spent, Watch};
+use crate::walk::Groups;
 use multiversion::{multiversion, target::match_target};
 
 /// An isotropic point light: position [m, world] and radiant intensity a channel [W/sr].
@@ -20,11 +22,72 @@ pub struct Light {
     pub intensity: [f32; 3],
 }
 
+/// A field under lights that stay where they are for a frame.
+#[derive(Clone, Debug)]
+pub struct Lit<'a> {
+    field: &'a Field,
+    lights: Vec<Light>,
+    positions: Vec<[f32; 3]>,
+    /// Where in `biases` those of a light and a cell begin: `[light][cell]`; 0 where the light
+    /// does not reach the cell.
+    starts: Vec<usize>,
+    biases: Vec<f32>,
+}
+
+/// Working memory of [`Lit::evaluate`], of one thread, used batch after batch.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    groups: Groups,
+    scratch: Scratch,
+    raw: RawBlock,
+    derived: DerivedBlock,
+    watch: Watch,
+    reaching: Vec<Reaching>,
+}
+
+/// A light of a cell: its place in the list of biases, its position and intensity.
+#[derive(Clone, Copy, Debug)]
+struct Reaching {
+    light: Light,
+    start: usize,
+}
+
+impl Default for Workspace {
+    fn default() -> Workspace {
+        Workspace {
+            groups: Groups::default(),
+            scratch: Scratch::default(),
+            raw: [Lane::ZERO; columns::COUNT],
+            derived: [Lane::ZERO; DERIVED],
+            watch: Watch::default(),
+            reaching: Vec::new(),
+        }
+    }
+}
+
 impl Field {
-    /// Indirect radiance [W·sr⁻¹·m⁻²] of each row under all the lights, channel by channel, and
-    /// each row's cell under the first light (`u32::MAX` without any).
-    /// The rows' own light columns are not read (but must be as long as the others).
-    /// A row's bits depend on the row and the list of lights only.
+    /// The field under `lights`.
+    pub fn under(&self, lights: &[Light]) -> Lit<'_> {
+        let cells = self.models().len();
+        let mut starts = vec![0; lights.len() * cells];
+        let (mut biases, mut reached) = (Vec::new(), Vec::new());
+        for (light, starts) in lights.iter().zip(starts.chunks_mut(cells.max(1))) {
+            self.walk.cells_under(light.position, &mut reached);
+            for &cell in &reached {
+                starts[cell as usize] = biases.len();
+                self.packed[cell as usize].biases(light.position, &mut biases);
+            }
+        }
+        Lit {
+            field: self,
+            lights: lights.to_vec(),
+            positions: lights.iter().map(|light| light.position).collect(),
+            starts,
+            biases,
+        }
+    }
+
+    /// [`Lit::evaluate`] once.
     pub fn evaluate_lights(
         &self,
         rows: &Columns,
@@ -32,46 +95,63 @@ impl Field {
         out: &mut [Vec<f32>; 3],
         cells: &mut Vec<u32>,
     ) -> Result<(), FieldError> {
-        self.evaluate_lights_timed(rows, lights, out, cells, None)
+        let mut work = Workspace::default();
+        self.under(lights)
+            .evaluate(rows, &mut work, out, cells, None)
+    }
+}
+
+impl Lit<'_> {
+    /// The lights.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
     }
 
-    /// [`Field::evaluate_lights`]; adds what time it took to `spent`.
-    pub fn evaluate_lights_timed(
+    /// Indirect radiance [W·sr⁻¹·m⁻²] of each row under all the lights, channel by channel, and
+    /// each row's cell under the first light (`u32::MAX` without any); adds what time it took to
+    /// `spent`.
+    /// The rows' own light columns are not read (but must be as long as the others).
+    /// A row's bits depend on the row and the list of lights only.
+    pub fn evaluate(
         &self,
         rows: &Columns,
-        lights: &[Light],
+        work: &mut Workspace,
         out: &mut [Vec<f32>; 3],
         cells: &mut Vec<u32>,
-        mut spent: Option<&mut Spent>,
+        spent: Option<&mut Spent>,
     ) -> Result<(), FieldError> {
-        let mut watch = Watch::new(spent.is_some());
-        self.prepare(rows, out, cells)?;
-        let mut scratch = Scratch::new(self.width);
-        let positions: Vec<[f32; 3]> = lights.iter().map(|light| light.position).collect();
-        let mut reaching = Vec::new();
-        self.walk.groups(rows, Some(&positions), |group| {
-            reaching.clear();
-            reaching.extend(group.lights.iter().map(|&k| lights[k as usize]));
-            if group.lights.first() == Some(&0) {
-                mark(cells, group.rows, group.cell);
+        work.watch.start(spent.is_some());
+        self.field.prepare(rows, out, cells)?;
+        work.scratch.widen(self.field.width);
+        let mut groups = std::mem::take(&mut work.groups);
+        self.field
+            .walk
+            .groups(rows, Some(&self.positions), &mut groups);
+        work.watch.end_lookup();
+        for (cell, ids, lights) in groups.iter() {
+            if lights.contains(&0) {
+                mark(cells, ids, cell);
             }
-            let packed = &self.packed[group.cell as usize];
-            watch.end_lookup();
-            evaluate_cell_lights(
-                packed,
-                rows,
-                group.rows,
-                &reaching,
-                &mut scratch,
-                out,
-                &mut watch,
-            );
-        });
-        watch.end_lookup();
-        if let Some(spent) = &mut spent {
-            spent.add(&watch.spent);
+            self.reaching(cell, lights, &mut work.reaching);
+            let packed = &self.field.packed[cell as usize];
+            evaluate_cell_lights(packed, &self.biases, rows, ids, work, out);
+        }
+        work.groups = groups;
+        let took = work.watch.end();
+        if let Some(spent) = spent {
+            spent.add(&took);
         }
         Ok(())
+    }
+
+    /// The lights `ids` of a cell, in the order of the list.
+    fn reaching(&self, cell: u32, ids: &[u32], reaching: &mut Vec<Reaching>) {
+        let cells = self.field.models().len();
+        reaching.clear();
+        reaching.extend(ids.iter().map(|&k| Reaching {
+            light: self.lights[k as usize],
+            start: self.starts[k as usize * cells + cell as usize],
+        }));
     }
 }
 
@@ -82,53 +162,78 @@ impl Field {
 ))]
 fn evaluate_cell_lights(
     packed: &Packed,
+    biases: &[f32],
     rows: &Columns,
     ids: &[u32],
-    lights: &[Light],
-    scratch: &mut Scratch,
+    work: &mut Workspace,
     out: &mut [Vec<f32>; 3],
-    watch: &mut Watch,
 ) {
     match_target! {
-        "x86_64+avx512f" => with::<true, 32>(packed, rows, ids, lights, scratch, out, watch),
-        "x86_64+fma" => with::<true, 16>(packed, rows, ids, lights, scratch, out, watch),
-        "aarch64" => with::<true, 8>(packed, rows, ids, lights, scratch, out, watch),
-        _ => with::<false, 8>(packed, rows, ids, lights, scratch, out, watch),
+        "x86_64+avx512f" => with::<true, 32, 16>(packed, biases, rows, ids, work, out),
+        "x86_64+fma" => with::<true, 16, 8>(packed, biases, rows, ids, work, out),
+        "aarch64" => with::<true, 8, 8>(packed, biases, rows, ids, work, out),
+        _ => with::<false, 8, 8>(packed, biases, rows, ids, work, out),
     }
 }
 
 #[inline(always)]
-fn with<const FUSED: bool, const LANES: usize>(
+fn with<const FUSED: bool, const LANES: usize, const HALF: usize>(
     packed: &Packed,
+    biases: &[f32],
     rows: &Columns,
     ids: &[u32],
-    lights: &[Light],
-    scratch: &mut Scratch,
+    work: &mut Workspace,
     out: &mut [Vec<f32>; 3],
-    watch: &mut Watch,
 ) {
-    let mut raw: RawBlock = [Lane::ZERO; columns::COUNT];
-    let mut derived: DerivedBlock = [Lane::ZERO; DERIVED];
+    let Workspace {
+        scratch,
+        raw,
+        derived,
+        watch,
+        reaching,
+        ..
+    } = work;
+    let one = reaching.len() == 1;
     let mut result = [Lane::ZERO; 3];
     for ids in ids.chunks(BLOCK) {
-        gather(packed, rows, ids, &mut raw);
+        watch.block();
+        gather::<false>(packed, rows, ids, raw);
         let mut sum = [Lane::ZERO; 3];
-        for (k, light) in lights.iter().enumerate() {
+        for (k, Reaching { light, start }) in reaching.iter().enumerate() {
             for (lane, x) in raw[columns::L..].iter_mut().zip(light.position) {
                 lane.0.fill(x);
             }
-            if packed.derived {
-                derived::derive_block(&raw, &mut derived);
-            }
-            // What the light does not change is scaled and summed for the first light only.
+            derived::derive_block(raw, ids.len(), packed.wanted, derived);
+            // What the light does not change is scaled, and summed, for the first light only.
             let first = if k == 0 { 0 } else { packed.fixed };
-            let range = first..packed.sizes[0];
-            kernel::scale(packed, range, &raw, &derived, &mut scratch.scaled);
+            let scaled = &mut scratch.scaled;
+            kernel::scale(
+                packed,
+                first..packed.varying,
+                ids.len(),
+                raw,
+                derived,
+                scaled,
+            );
             watch.end_inputs();
-            if k == 0 {
-                kernel::fixed_sums::<FUSED, LANES>(packed, ids.len(), scratch);
-            }
-            kernel::net::<FUSED, LANES>(packed, ids.len(), true, &raw, scratch, &mut result);
+            let biases = &biases[*start..];
+            let (span, begin) = if one {
+                (0..packed.varying, Begin::At(biases))
+            } else {
+                if k == 0 {
+                    kernel::fixed_sums::<FUSED, LANES, HALF>(packed, ids.len(), scratch);
+                }
+                (packed.fixed..packed.varying, Begin::AfterSums(biases))
+            };
+            kernel::net::<FUSED, LANES, HALF>(
+                packed,
+                ids.len(),
+                span,
+                begin,
+                raw,
+                scratch,
+                &mut result,
+            );
             for (sum, (y, c)) in sum.iter_mut().zip(result.iter().zip(light.intensity)) {
                 for (sum, y) in sum.0.iter_mut().zip(&y.0) {
                     *sum += c * y;

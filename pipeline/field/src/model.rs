@@ -7,7 +7,7 @@ use crate::net::Shape;
 /// What a net can read. The first [`columns::COUNT`] are the raw columns in their order;
 /// the rest are computed from them.
 ///
-/// Add an input: append a name here and its formula in [`derived::derive`].
+/// Add an input: append a name here and its formula in [`derived::derive_block`].
 pub const INPUTS: [&str; columns::COUNT + derived::DERIVED] = [
     "px",
     "py",

@@ -1,6 +1,7 @@
 //! A cell's model laid out for streaming: what the block kernel reads, in the order it reads it.
 
 use crate::columns;
+use crate::derived::Wanted;
 use crate::model::{self, CellModel};
 
 /// How many neurons the kernel computes together when `left` of a layer are left: 4, 2 or 1.
@@ -17,14 +18,17 @@ pub fn group(left: usize) -> usize {
 /// One cell's model, ready for evaluation.
 #[derive(Clone, Debug)]
 pub struct Packed {
-    /// Places in [`model::INPUTS`], those that the light does not change first.
+    /// Places in [`model::INPUTS`]: those that the light does not change, those that it changes
+    /// from row to row, its own position.
     pub inputs: Vec<u8>,
     /// Raw columns to read for them, ascending.
     pub columns: Vec<u8>,
-    /// Whether any input is derived.
-    pub derived: bool,
+    /// Derived inputs to compute.
+    pub wanted: Wanted,
     /// How many inputs the light does not change.
     pub fixed: usize,
+    /// How many inputs differ from row to row under one light.
+    pub varying: usize,
     /// Offset of each input, in the order of `inputs`.
     pub offset: Vec<f32>,
     /// Scale of each input.
@@ -48,16 +52,15 @@ impl Packed {
     /// Lays out a model whose lengths agree.
     pub fn new(model: &CellModel) -> Packed {
         let mut order: Vec<usize> = (0..model.inputs.len()).collect();
-        order.sort_by_key(|&k| model::depends_on_light(model.inputs[k]));
+        order.sort_by_key(|&k| kind(model.inputs[k]));
         let inputs: Vec<u8> = order.iter().map(|&k| model.inputs[k]).collect();
-        let derived = inputs.iter().any(|&i| usize::from(i) >= columns::COUNT);
+        let upto = |last: Kind| inputs.partition_point(|&i| kind(i) <= last);
+        let wanted = Wanted::of(&inputs);
         Packed {
-            columns: columns_read(model, derived),
-            derived,
-            fixed: inputs
-                .iter()
-                .filter(|&&i| !model::depends_on_light(i))
-                .count(),
+            columns: columns_read(model, wanted),
+            wanted,
+            fixed: upto(Kind::Fixed),
+            varying: upto(Kind::Varying),
             offset: order.iter().map(|&k| model.input_offset[k]).collect(),
             scale: order.iter().map(|&k| model.input_scale[k]).collect(),
             weights: pack_weights(model, &order),
@@ -70,21 +73,65 @@ impl Packed {
         }
     }
 
+    /// The first layer's biases for a light at `position`: what its own columns add is the same
+    /// for every row. Summed in f64.
+    pub fn biases(&self, position: [f32; 3], biases: &mut Vec<f32>) {
+        let (n_in, n_out) = (self.sizes[0], self.sizes[1]);
+        let mut weights = self.weights.as_slice();
+        let mut left = n_out;
+        while left > 0 {
+            let size = group(left);
+            let (now, later) = weights.split_at(size * (n_in + 1));
+            for j in 0..size {
+                let term = |k: usize| {
+                    let l = position[usize::from(self.inputs[k]) - columns::L];
+                    let x = (f64::from(l) - f64::from(self.offset[k])) * f64::from(self.scale[k]);
+                    f64::from(now[(k + 1) * size + j]) * x
+                };
+                let sum: f64 = (self.varying..n_in).map(term).sum();
+                biases.push((f64::from(now[j]) + sum) as f32);
+            }
+            (weights, left) = (later, left - size);
+        }
+    }
+
     /// Widest layer.
     pub fn width(&self) -> usize {
         self.sizes.iter().copied().max().unwrap_or(0)
     }
 }
 
-/// The raw columns behind the inputs; derived ones read all of the geometry.
-fn columns_read(model: &CellModel, derived: bool) -> Vec<u8> {
+/// What one input has to do with the light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    /// Nothing.
+    Fixed,
+    /// It changes with the light and from row to row.
+    Varying,
+    /// It is the light's.
+    Constant,
+}
+
+fn kind(input: u8) -> Kind {
+    if (columns::L..columns::L + 3).contains(&usize::from(input)) {
+        Kind::Constant
+    } else if model::depends_on_light(input) {
+        Kind::Varying
+    } else {
+        Kind::Fixed
+    }
+}
+
+/// The raw columns behind the inputs.
+fn columns_read(model: &CellModel, wanted: Wanted) -> Vec<u8> {
+    let behind = |c: usize| match c {
+        columns::N..columns::L => wanted.angles,
+        0..columns::GEOMETRY => wanted.light,
+        columns::BASE..columns::ROUGHNESS => model.divide_base,
+        _ => false,
+    };
     (0..columns::COUNT as u8)
-        .filter(|&c| {
-            let c_size = usize::from(c);
-            model.inputs.contains(&c)
-                || (derived && c_size < columns::GEOMETRY)
-                || (model.divide_base && (columns::BASE..columns::BASE + 3).contains(&c_size))
-        })
+        .filter(|&c| model.inputs.contains(&c) || behind(usize::from(c)))
         .collect()
 }
 

@@ -22,31 +22,62 @@ impl Spent {
     }
 }
 
-/// A stop watch, or none: reading the clock costs about as much as a row of a net.
+/// Every how many blocks the inputs and the net are timed apart: reading the clock costs about
+/// as much as a row of a net.
+const SAMPLED: usize = 8;
+
+/// A stop watch, or none. Lookup and evaluation are timed whole; how evaluation divides into
+/// inputs and nets is timed at one block in [`SAMPLED`].
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Watch {
     last: Option<Instant>,
+    /// Since when the block is timed, if it is.
+    block: Option<Instant>,
+    blocks: usize,
+    /// What the timed blocks took so far, over all evaluations.
+    inputs: Duration,
+    nets: Duration,
     pub(crate) spent: Spent,
 }
 
 impl Watch {
     /// Starts, if anyone wants to know.
-    pub(crate) fn new(wanted: bool) -> Watch {
-        Watch {
-            last: wanted.then(Instant::now),
-            spent: Spent::default(),
-        }
+    pub(crate) fn start(&mut self, wanted: bool) {
+        self.last = wanted.then(Instant::now);
+        self.spent = Spent::default();
     }
 
     pub(crate) fn end_lookup(&mut self) {
         self.spent.lookup += lap(&mut self.last);
     }
 
-    pub(crate) fn end_inputs(&mut self) {
-        self.spent.inputs += lap(&mut self.last);
+    /// A block begins.
+    pub(crate) fn block(&mut self) {
+        self.blocks += 1;
+        let timed = self.last.is_some() && self.blocks.is_multiple_of(SAMPLED);
+        self.block = timed.then(Instant::now);
     }
 
+    /// The block's inputs are there.
+    pub(crate) fn end_inputs(&mut self) {
+        self.inputs += lap(&mut self.block);
+    }
+
+    /// The block's net is done.
     pub(crate) fn end_nets(&mut self) {
-        self.spent.nets += lap(&mut self.last);
+        self.nets += lap(&mut self.block);
+    }
+
+    /// All is evaluated: the time since the lookup is shared out.
+    pub(crate) fn end(&mut self) -> Spent {
+        let both = lap(&mut self.last);
+        let timed = self.inputs + self.nets;
+        if !timed.is_zero() {
+            let share = self.inputs.as_secs_f64() / timed.as_secs_f64();
+            self.spent.inputs += both.mul_f64(share.clamp(0.0, 1.0));
+        }
+        self.spent.nets += both.saturating_sub(self.spent.inputs);
+        self.spent
     }
 }
 

@@ -1,9 +1,16 @@
 //! Rows, and lights, taken down the kd-tree together: what remains at a leaf is a cell's.
+//!
+//! The rows at a node are bits, 64 rows a word: a split compares 64 neighbours of a column at
+//! once, and rows that go the same way, as neighbouring pixels do, are never touched one by one.
 
 use crate::columns::{self, Columns};
 use crate::error::FieldError;
 use crate::tree::{LEAF, Tree};
+use multiversion::multiversion;
 use std::ops::Range;
+
+/// Rows of a word.
+const WORD: usize = 64;
 
 /// A node's split; a leaf holds its cell in `left`.
 #[derive(Clone, Copy, Debug)]
@@ -17,22 +24,45 @@ struct Node {
 #[derive(Clone, Debug)]
 pub struct Walk {
     nodes: Vec<Node>,
+    depth: usize,
 }
 
-/// The rows and lights of one cell.
-pub struct Group<'a> {
-    /// The cell.
-    pub cell: u32,
-    /// Its rows, ascending.
-    pub rows: &'a [u32],
-    /// Its lights, ascending; empty where rows bring their own.
-    pub lights: &'a [u32],
+/// One cell's places in the lists of [`Groups`].
+#[derive(Clone, Debug)]
+struct Group {
+    cell: u32,
+    rows: Range<usize>,
+    lights: Range<usize>,
+}
+
+/// The rows and lights of each cell that any row reaches; its memory is used again.
+#[derive(Clone, Debug, Default)]
+pub struct Groups {
+    list: Vec<Group>,
+    rows: Vec<u32>,
+    lights: Vec<u32>,
+    light_ids: Vec<u32>,
+    stack: Vec<Visit>,
+    words: Vec<u64>,
+}
+
+impl Groups {
+    /// Each cell, its rows, ascending, and its lights, in the order that the tree left them in
+    /// (none where rows bring their own).
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &[u32], &[u32])> {
+        self.list.iter().map(|group| {
+            let (rows, lights) = (group.rows.clone(), group.lights.clone());
+            (group.cell, &self.rows[rows], &self.lights[lights])
+        })
+    }
 }
 
 /// A node still to be visited with what reaches it.
+#[derive(Clone, Debug)]
 struct Visit {
     node: u32,
-    rows: Range<usize>,
+    /// First of its words in [`Groups::words`].
+    words: usize,
     lights: Range<usize>,
 }
 
@@ -49,98 +79,194 @@ impl Walk {
                 tree.left[id]
             },
         };
+        // children come after their parent
+        let mut depths = vec![1; tree.axis.len()];
+        for id in 0..tree.axis.len() {
+            if tree.axis[id] != LEAF {
+                let left = tree.left[id] as usize;
+                depths[left] = depths[id] + 1;
+                depths[left + 1] = depths[id] + 1;
+            }
+        }
         Ok(Walk {
             nodes: (0..tree.axis.len()).map(node).collect(),
+            depth: depths.into_iter().max().unwrap_or(1),
         })
     }
 
-    /// Calls `work` once for each cell that any row reaches, as [`Tree::find`] would send them
-    /// one by one. With `lights`, positions of all the lights, a split of a light column
-    /// parts the lights instead of the rows, and a row belongs to as many cells as its lights do.
-    pub fn groups(&self, rows: &Columns, lights: Option<&[[f32; 3]]>, mut work: impl FnMut(Group)) {
-        let mut row_ids: Vec<u32> = (0..rows.len() as u32).collect();
-        let mut light_ids: Vec<u32> = (0..lights.map_or(0, <[_]>::len) as u32).collect();
-        let mut spare = vec![0; row_ids.len().max(light_ids.len())];
-        let mut stack = vec![Visit {
+    /// The cells that a light at `position` can be seen from, whatever the row.
+    pub fn cells_under(&self, position: [f32; 3], cells: &mut Vec<u32>) {
+        cells.clear();
+        let mut stack = vec![0u32];
+        while let Some(id) = stack.pop() {
+            let node = self.nodes[id as usize];
+            match light_axis(node.axis) {
+                _ if node.axis == LEAF => cells.push(node.left),
+                Some(axis) => stack.push(node.left + u32::from(position[axis] >= node.threshold)),
+                None => stack.extend([node.left, node.left + 1]),
+            }
+        }
+    }
+
+    /// Finds the rows of each cell, as [`Tree::find`] would send them one by one. With `lights`,
+    /// positions of all the lights, a split of a light column parts the lights instead of the
+    /// rows, and a row belongs to as many cells as its lights do.
+    pub fn groups(&self, rows: &Columns, lights: Option<&[[f32; 3]]>, groups: &mut Groups) {
+        let count = rows.len();
+        let span = count.div_ceil(WORD);
+        groups.begin(count, lights.map_or(0, <[_]>::len), span, self.depth);
+        while let Some(visit) = groups.stack.pop() {
+            if lights.is_some() && visit.lights.is_empty() {
+                continue;
+            }
+            let node = self.nodes[visit.node as usize];
+            if node.axis == LEAF {
+                groups.leaf(node.left, &visit, span);
+                continue;
+            }
+            match (lights, light_axis(node.axis)) {
+                (Some(lights), Some(axis)) => {
+                    let above = |id: u32| lights[id as usize][axis] >= node.threshold;
+                    groups.part_lights(&visit, node, span, above);
+                }
+                _ => groups.part_rows(&visit, node, span, &rows.columns[node.axis as usize]),
+            }
+        }
+    }
+}
+
+/// Which coordinate of the light a split's axis is, if it is one.
+fn light_axis(axis: i8) -> Option<usize> {
+    let axis = usize::try_from(axis).ok()?.checked_sub(columns::L)?;
+    (axis < 3).then_some(axis)
+}
+
+impl Groups {
+    /// All rows and lights at the root.
+    fn begin(&mut self, rows: usize, lights: usize, span: usize, depth: usize) {
+        self.list.clear();
+        self.rows.clear();
+        self.lights.clear();
+        self.light_ids.clear();
+        self.light_ids.extend(0..lights as u32);
+        self.stack.clear();
+        self.words.clear();
+        if rows == 0 {
+            return;
+        }
+        self.words.resize(span, u64::MAX);
+        if let Some(last) = self.words.last_mut().filter(|_| rows % WORD != 0) {
+            *last = (1 << (rows % WORD)) - 1;
+        }
+        // one more for the right child while the left one waits
+        self.words.resize(span * (depth + 1), 0);
+        self.stack.push(Visit {
             node: 0,
-            rows: 0..row_ids.len(),
-            lights: 0..light_ids.len(),
-        }];
-        while let Some(Visit {
+            words: 0,
+            lights: 0..lights,
+        });
+    }
+
+    /// Notes what has reached a cell.
+    fn leaf(&mut self, cell: u32, visit: &Visit, span: usize) {
+        let start = self.rows.len();
+        let words = &self.words[visit.words..][..span];
+        for (first, &word) in (0u32..).step_by(WORD).zip(words) {
+            if word == u64::MAX {
+                self.rows.extend(first..first + WORD as u32);
+                continue;
+            }
+            let mut left = word;
+            while left != 0 {
+                self.rows.push(first + left.trailing_zeros());
+                left &= left - 1;
+            }
+        }
+        let first_light = self.lights.len();
+        self.lights
+            .extend_from_slice(&self.light_ids[visit.lights.clone()]);
+        self.list.push(Group {
+            cell,
+            rows: start..self.rows.len(),
+            lights: first_light..self.lights.len(),
+        });
+    }
+
+    /// Sends the lights left and right; the rows go with both.
+    fn part_lights(&mut self, visit: &Visit, node: Node, span: usize, above: impl Fn(u32) -> bool) {
+        let ids = &mut self.light_ids[visit.lights.clone()];
+        ids.sort_by_key(|&id| above(id));
+        let middle = visit.lights.start + ids.partition_point(|&id| !above(id));
+        let (below, above) = (visit.lights.start..middle, middle..visit.lights.end);
+        let right = if below.is_empty() {
+            visit.words
+        } else {
+            let (from, to) = (visit.words, visit.words + span);
+            self.words.copy_within(from..from + span, to);
+            to
+        };
+        self.push(node.left, visit.words, below);
+        self.push(node.left + 1, right, above);
+    }
+
+    /// Sends the rows left and right; the lights go with both.
+    fn part_rows(&mut self, visit: &Visit, node: Node, span: usize, column: &[f32]) {
+        let (left, right) = self.words[visit.words..][..2 * span].split_at_mut(span);
+        let [some_left, some_right] = part(column, node.threshold, left, right);
+        if some_left {
+            self.push(node.left, visit.words, visit.lights.clone());
+        }
+        if some_right {
+            self.push(node.left + 1, visit.words + span, visit.lights.clone());
+        }
+    }
+
+    fn push(&mut self, node: u32, words: usize, lights: Range<usize>) {
+        self.stack.push(Visit {
             node,
-            rows: r,
-            lights: l,
-        }) = stack.pop()
-        {
-            if r.is_empty() || (lights.is_some() && l.is_empty()) {
-                continue;
-            }
-            let Node {
-                axis,
-                threshold,
-                left,
-            } = self.nodes[node as usize];
-            if axis == LEAF {
-                work(Group {
-                    cell: left,
-                    rows: &row_ids[r],
-                    lights: &light_ids[l],
-                });
-                continue;
-            }
-            let axis = axis as usize;
-            let visit = |node, rows, lights| Visit { node, rows, lights };
-            stack.extend(match lights {
-                Some(lights) if (columns::L..columns::L + 3).contains(&axis) => {
-                    let above = |id: u32| lights[id as usize][axis - columns::L] >= threshold;
-                    let middle = l.start + part(&mut light_ids[l.clone()], &mut spare, above);
-                    [
-                        visit(left, r.clone(), l.start..middle),
-                        visit(left + 1, r, middle..l.end),
-                    ]
-                }
-                _ => {
-                    let column = &rows.columns[axis];
-                    let below = part_rows(&mut row_ids[r.clone()], &mut spare, column, threshold);
-                    let middle = r.start + below;
-                    [
-                        visit(left, r.start..middle, l.clone()),
-                        visit(left + 1, middle..r.end, l),
-                    ]
-                }
-            });
-        }
+            words,
+            lights,
+        });
     }
 }
 
-/// Parts the rows `ids` by a column. A run of neighbouring rows on one side, the common case
-/// in a picture, is found without touching the ids.
-fn part_rows(ids: &mut [u32], spare: &mut [u32], column: &[f32], threshold: f32) -> usize {
-    let (first, last) = (ids[0] as usize, ids[ids.len() - 1] as usize);
-    if last - first + 1 == ids.len() {
-        let above = column[first..=last]
-            .iter()
-            .map(|&x| usize::from(x >= threshold));
-        let above: usize = above.sum();
-        if above == 0 || above == ids.len() {
-            return ids.len() - above;
-        }
+/// Leaves in `left` the rows whose value is not at or above the threshold, moves the others to
+/// `right`; whether either has any.
+#[multiversion(targets(
+    "x86_64+avx+avx2+fma+avx512f+avx512vl+avx512dq+avx512bw",
+    "x86_64+avx+avx2+fma"
+))]
+fn part(column: &[f32], threshold: f32, left: &mut [u64], right: &mut [u64]) -> [bool; 2] {
+    let (mut any_left, mut any_right) = (0, 0);
+    let (whole, rest) = column.as_chunks::<WORD>();
+    let mut padded = [f32::NEG_INFINITY; WORD];
+    for (padded, x) in padded.iter_mut().zip(rest) {
+        *padded = *x;
     }
-    part(ids, spare, |id| column[id as usize] >= threshold)
+    let values = whole.iter().chain(std::iter::once(&padded));
+    for ((left, right), values) in left.iter_mut().zip(right).zip(values) {
+        if *left == 0 {
+            *right = 0;
+            continue;
+        }
+        let goes = *left & above(values, threshold);
+        *right = goes;
+        *left ^= goes;
+        any_left |= *left;
+        any_right |= goes;
+    }
+    [any_left != 0, any_right != 0]
 }
 
-/// Moves the ids that are `above` behind the others, both in their old order; how many are not.
-fn part(ids: &mut [u32], spare: &mut [u32], above: impl Fn(u32) -> bool) -> usize {
-    let (mut below, mut moved) = (0, 0);
-    for at in 0..ids.len() {
-        // Written to both sides, kept on one: no branch to mispredict.
-        let id = ids[at];
-        let goes = usize::from(above(id));
-        ids[below] = id;
-        spare[moved] = id;
-        below += 1 - goes;
-        moved += goes;
+/// Bit i tells whether value i is at or above the threshold.
+#[inline(always)]
+fn above(values: &[f32; WORD], threshold: f32) -> u64 {
+    // eight lanes, so that whole registers are compared; one reduction at the end
+    let mut lanes = [0u64; 8];
+    for (k, values) in values.as_chunks::<8>().0.iter().enumerate() {
+        for j in 0..8 {
+            lanes[j] |= u64::from(values[j] >= threshold) << (8 * k + j);
+        }
     }
-    ids[below..].copy_from_slice(&spare[..moved]);
-    below
+    lanes.iter().fold(0, |bits, lane| bits | lane)
 }

@@ -7,7 +7,7 @@ mod common;
 use common::{Numbers, model, rows, tree};
 use rrf_field::columns::{self, Columns};
 use rrf_field::model::CellModel;
-use rrf_field::{Field, Light, net};
+use rrf_field::{Field, Light, Workspace, net};
 
 /// The inputs of one row in f64, from their definitions.
 fn inputs(rows: &Columns, r: usize) -> Vec<f64> {
@@ -200,8 +200,18 @@ fn many_lights_are_the_sum_of_single_ones() {
         field
             .evaluate_lights(&rows, &[unit], &mut alone, &mut alone_cells)
             .unwrap();
-        assert_eq!(alone, one, "one light of 1 W/sr, bit for bit");
         assert_eq!(alone_cells, cells);
+        for (c, (alone, one)) in alone.iter().zip(&one).enumerate() {
+            let square: f64 = one.iter().map(|&y| f64::from(y).powi(2)).sum();
+            let rms = (square / one.len() as f64).sqrt();
+            for (r, (&a, &b)) in alone.iter().zip(one).enumerate() {
+                // As the batched net against the scalar one: a light's share of the first layer
+                // is summed in another order.
+                let (a, b) = (f64::from(a), f64::from(b));
+                let error = (a - b).abs() / b.abs().max(0.1 * rms);
+                assert!(error < 1e-5, "row {r} channel {c}: {error:e}");
+            }
+        }
         if light == &lights[0] {
             assert_eq!(first_cells, cells);
         }
@@ -213,11 +223,63 @@ fn many_lights_are_the_sum_of_single_ones() {
             }
         }
     }
-    // Nine products and sums in f32: each rounds by half an ulp of at most the sum of sizes.
+    // Each light within 1e-5 of its own size, as above.
     for r in 0..rows.len() {
         for c in 0..3 {
             let error = (f64::from(all[c][r]) - sum[r][c]).abs();
-            assert!(error <= 18.0 * 0.5 * f64::from(f32::EPSILON) * size[r][c]);
+            assert!(error <= 1e-5 * size[r][c], "row {r} channel {c}: {error:e}");
+        }
+    }
+}
+
+/// What a light adds to the first layer once for all rows, against the scalar net; on any split
+/// of the batch the same bits.
+#[test]
+fn lights_equal_scalar() {
+    let all: Vec<u8> = (0..25).collect();
+    let shuffled = [24, 3, 9, 18, 0, 22, 7, 12, 21, 1, 10];
+    let cases: [(&[u8], &[usize]); 5] = [
+        (&all[..12], &[20, 10]),
+        (&all, &[40, 20]),
+        (&shuffled, &[13, 7, 5]),
+        (&[9, 10, 11], &[5]),
+        (&all[..3], &[]),
+    ];
+    for (case, (inputs, hidden)) in cases.into_iter().enumerate() {
+        let field = field(9, inputs, hidden, 300 + case as u64);
+        let mut rows = rows(1500, 400 + case as u64);
+        let light = Light {
+            position: [0.3, -0.4, 0.2],
+            intensity: [1.0; 3],
+        };
+        let lit = field.under(&[light]);
+        let (mut out, mut cells) = (<[Vec<f32>; 3]>::default(), Vec::new());
+        let mut work = Workspace::default();
+        lit.evaluate(&rows, &mut work, &mut out, &mut cells, None)
+            .unwrap();
+        for ids in (0..1500).collect::<Vec<u32>>().chunks(77) {
+            let (mut part, mut part_cells) = (<[Vec<f32>; 3]>::default(), Vec::new());
+            lit.evaluate(&rows.take(ids), &mut work, &mut part, &mut part_cells, None)
+                .unwrap();
+            for (i, &r) in ids.iter().enumerate() {
+                for c in 0..3 {
+                    assert_eq!(part[c][i].to_bits(), out[c][r as usize].to_bits());
+                }
+            }
+        }
+        for i in 0..3 {
+            rows.columns[columns::L + i].fill(light.position[i]);
+        }
+        let wanted: Vec<[f64; 3]> = (0..rows.len())
+            .map(|r| scalar(&field.models()[cells[r] as usize], &rows, r))
+            .collect();
+        for (c, out) in out.iter().enumerate() {
+            let square = wanted.iter().map(|y| y[c] * y[c]).sum::<f64>();
+            let rms = (square / rows.len() as f64).sqrt();
+            for (r, want) in wanted.iter().enumerate() {
+                let error = (f64::from(out[r]) - want[c]).abs() / want[c].abs().max(0.1 * rms);
+                assert!(error < 1e-5, "case {case} row {r} channel {c}: {error:e}");
+            }
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
-use rrf_field::{Field, Light};
+use rrf_field::{Field, Light, Lit, Workspace};
 use rrf_scene::{MaterialKind, PointLight};
 use rrf_trace::Tracer;
 use rrf_trace::bsdf::Bsdf;
@@ -76,6 +76,7 @@ struct Work {
     seen: Visible,
     direct: Direct,
     sampled: Sampled,
+    nets: Workspace,
     radiance: [Vec<f32>; 3],
     cells: Vec<u32>,
     stages: Stages,
@@ -84,7 +85,6 @@ struct Work {
 /// What every tile of a frame shares.
 struct Job<'f> {
     tracer: &'f Tracer<'f>,
-    field: &'f Field,
     view: &'f View,
     /// Point lights by exact shadow rays.
     points: &'f [PointLight],
@@ -92,8 +92,8 @@ struct Job<'f> {
     emitters: Vec<Emitter>,
     /// Whether surfaces may shine themselves.
     emission: bool,
-    /// Point lights of the nets.
-    lights: Vec<Light>,
+    /// The nets under their point lights.
+    lit: Lit<'f>,
     options: &'f RenderOptions<'f>,
 }
 
@@ -183,9 +183,9 @@ impl<'a> Renderer<'a> {
         let cells = lamps.map_or(&[][..], |lamps| &lamps.cells);
         let points = lights.points.iter().map(Emitter::from);
         let sampled = points.filter(|_| options.shadow_rays.is_some());
+        let of_nets: Vec<Light> = lights.points.iter().map(light).chain(stand_ins).collect();
         Ok(Job {
             tracer: self.tracer,
-            field: self.field,
             view,
             points: match options.shadow_rays {
                 None => &lights.points,
@@ -193,7 +193,7 @@ impl<'a> Renderer<'a> {
             },
             emitters: sampled.chain(cells.iter().copied()).collect(),
             emission: lamps.is_some(),
-            lights: lights.points.iter().map(light).chain(stand_ins).collect(),
+            lit: self.field.under(&of_nets),
             options,
         })
     }
@@ -278,14 +278,15 @@ impl Job<'_> {
     fn indirect(&self, work: &mut Work, weight: f32, band: &mut Band) -> Result<(), RenderError> {
         let Work {
             seen,
+            nets,
             radiance,
             cells,
             stages,
             ..
         } = work;
         let spent = Some(&mut stages.nets);
-        self.field
-            .evaluate_lights_timed(&seen.rows, &self.lights, radiance, cells, spent)?;
+        self.lit
+            .evaluate(&seen.rows, nets, radiance, cells, spent)?;
         let mut lap = Lap::start();
         let [r, g, b] = &*radiance;
         let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);
@@ -300,7 +301,7 @@ impl Job<'_> {
             band.cell[pixel as usize] = cell;
         }
         if let Some(trusted) = self.options.trusted {
-            let trust = trusted_under_all(trusted, &seen.rows, &self.lights);
+            let trust = trusted_under_all(trusted, &seen.rows, self.lit.lights());
             for (&pixel, trust) in seen.pixel.iter().zip(trust) {
                 band.trust[pixel as usize] += if trust { weight } else { 0.0 };
             }

@@ -7,6 +7,9 @@ use crate::lm::Stop;
 use crate::prepare::{self, Input, Noise, OutputScale, Samples};
 use crate::problem::Loss;
 use crate::rows::MemoryRows;
+use crate::warm;
+use rrf_field::columns::Columns;
+use rrf_field::model::{self, CellModel};
 use rrf_field::net::Shape;
 use rrf_field::rng::{Stage, Stream};
 
@@ -28,6 +31,8 @@ pub(crate) struct Cell<'a> {
     pub train: MemoryRows,
     pub validation: MemoryRows,
     pub report: FitReport,
+    /// A net to go on from.
+    pub earlier: Option<&'a CellModel>,
 }
 
 impl<'a> Cell<'a> {
@@ -74,6 +79,7 @@ impl<'a> Cell<'a> {
                 dropped_inputs,
                 ..FitReport::default()
             },
+            earlier: None,
             samples,
             config,
             inputs,
@@ -129,6 +135,32 @@ impl<'a> Cell<'a> {
         sizes.extend(hidden);
         sizes.push(crate::tile::CHANNELS);
         Shape { sizes }
+    }
+
+    /// First weights of a net of `shape` that goes on from the earlier one, if there is one
+    /// that it can go on from.
+    pub fn earlier_weights(&self, shape: &Shape) -> Option<Vec<f64>> {
+        let row = *self.train_ids.first()? as usize;
+        let value = |id: u8| {
+            let mut one = Columns::default();
+            one.push(self.samples.rows.row(row));
+            let mut values = Vec::new();
+            model::fill(id, &one, &mut values);
+            values.first().copied().unwrap_or(f32::NAN)
+        };
+        let frame = warm::Frame {
+            inputs: self
+                .inputs
+                .iter()
+                .map(|i| (i.id, i.offset, i.scale))
+                .collect(),
+            scale: self.output.scale,
+            offset: self.output.offset,
+            divide_base: self.config.divide_base,
+            exponential: self.config.exponential,
+            value: &value,
+        };
+        warm::weights(self.earlier?, &frame, shape, &self.first_weights(shape, 0))
     }
 
     /// First weights: uniform with variance 1 / inputs (LeCun et al. 1998), biases uniform in

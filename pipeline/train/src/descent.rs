@@ -26,6 +26,8 @@ pub(crate) struct Descent<'a> {
     /// Which start it came from.
     pub start: u64,
     w: Vec<f64>,
+    /// The weights are random, not those of a fitted net.
+    fresh: bool,
     lm: Levenberg,
     /// Weight decay a residual.
     pub alpha: f64,
@@ -65,10 +67,19 @@ impl<'a> Descent<'a> {
             error: f64::INFINITY,
             best: w.clone(),
             history: Vec::new(),
+            fresh: true,
             cell,
             shape,
             start,
             w,
+        }
+    }
+
+    /// From weights that are those of a fitted net: the output layer is not put to zero first.
+    pub fn going_on(cell: &'a Cell, shape: Shape, w: Vec<f64>) -> Descent<'a> {
+        Descent {
+            fresh: false,
+            ..Descent::from_weights(cell, shape, 0, w)
         }
     }
 
@@ -90,12 +101,12 @@ impl<'a> Descent<'a> {
         let mut judge = Judge::choosing(cell, &self.shape, leg.share);
         self.w.clone_from(&self.best);
         let first_run = self.residuals == 0.0;
-        if first_run {
+        if first_run && self.fresh {
             // Where it has no answer the output layer stays at zero: the mean, a valid start.
             self.w[problem.output_layer()].fill(0.0);
             problem.project(&mut self.w, self.alpha * residuals as f64);
             self.best.clone_from(&self.w);
-        } else {
+        } else if !first_run {
             self.lm.rescale_damping(residuals as f64 / self.residuals);
         }
         self.residuals = residuals as f64;

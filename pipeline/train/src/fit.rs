@@ -103,13 +103,27 @@ pub fn fit_cell(
     validation: &[bool],
     config: &TrainConfig,
 ) -> Result<CellFit, TrainError> {
+    fit_cell_from(None, cell, rows, halves, validation, config)
+}
+
+/// [`fit_cell`] that goes on from an earlier net, of a cell around this one or of fewer rows, where
+/// the two are of one kind and the earlier one is no larger; otherwise from random weights.
+pub fn fit_cell_from(
+    earlier: Option<&CellModel>,
+    cell: u32,
+    rows: &Columns,
+    halves: [&[[f32; 3]]; 2],
+    validation: &[bool],
+    config: &TrainConfig,
+) -> Result<CellFit, TrainError> {
     let start = Instant::now();
     let samples = Samples {
         rows,
         halves,
         validation,
     };
-    let prepared = Cell::new(cell, samples, config)?;
+    let mut prepared = Cell::new(cell, samples, config)?;
+    prepared.earlier = earlier;
     let mut fit = match prepared.trivial() {
         Some(stop) => constant(cell, prepared, stop),
         None => train(cell, prepared),

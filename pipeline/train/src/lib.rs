@@ -44,11 +44,12 @@ mod search;
 pub mod simd;
 pub mod streamed;
 pub mod tile;
+mod warm;
 
 pub use blocks::Precision;
 pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
 pub use error::TrainError;
-pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell};
+pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell, fit_cell_from};
 pub use halves::ErrorEstimate;
 pub use lm::{LmConfig, Scaling, Stop};
 

@@ -38,6 +38,9 @@ const LEAST_ROWS: f64 = 3.0;
 /// The best net of a shape that the configuration's starts lead to.
 pub(crate) fn best_of_starts<'a>(cell: &'a Cell, shape: &Shape) -> Option<(Descent<'a>, Stop)> {
     let config = cell.config;
+    if let Some(w) = cell.earlier_weights(shape) {
+        return finish(cell, vec![Descent::going_on(cell, shape.clone(), w)]);
+    }
     let rungs = rungs(config, cell.train_ids.len(), shape.weights());
     let starts = rungs.first().map_or(config.starts.max(1), |rung| rung.1);
     let mut field: Vec<Descent> = (0..starts as u64)

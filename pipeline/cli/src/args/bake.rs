@@ -1,7 +1,7 @@
 //! Arguments of bakes, whole, in stages and as tasks.
 
 use super::SceneOptions;
-use super::parse::{parse_box, parse_bytes, positive};
+use super::parse::{Hidden, parse_box, parse_bytes, parse_hidden, parse_input, positive};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -50,6 +50,13 @@ pub struct BakeSettings {
     /// What each cell is fitted by: nets, or a baseline to compare them with.
     #[arg(long, value_enum, default_value_t = Method::Nets)]
     pub method: Method,
+    /// Units of the nets' hidden layers, inputs side first, instead of 20,10.
+    #[arg(long, value_name = "A[,B]", value_parser = parse_hidden)]
+    pub hidden: Option<Hidden>,
+    /// Names of the nets' inputs, instead of position, normal, viewer, light, direction and inverse
+    /// distance to the light.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = parse_input)]
+    pub inputs: Option<Vec<String>>,
     /// Go on with a run that was cut off; what is done stays.
     #[arg(long)]
     pub resume: bool,

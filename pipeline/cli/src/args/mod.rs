@@ -8,6 +8,7 @@ pub use bake::*;
 pub use view::*;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+pub use parse::Hidden;
 use parse::unit_interval;
 use std::path::PathBuf;
 

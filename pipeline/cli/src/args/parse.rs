@@ -27,6 +27,29 @@ fn number(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Units of hidden layers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hidden(pub Vec<usize>);
+
+pub fn parse_hidden(text: &str) -> Result<Hidden, String> {
+    let units: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match units {
+        Ok(units) if units.len() <= 2 && units.iter().all(|n| (1..=256).contains(n)) => {
+            Ok(Hidden(units))
+        }
+        _ => Err("needs one or two layers of 1 to 256 units, for example 20,10".into()),
+    }
+}
+
+/// The name of an input of a net.
+pub fn parse_input(text: &str) -> Result<String, String> {
+    if rrf_field::model::INPUTS.contains(&text) {
+        return Ok(text.into());
+    }
+    let known = rrf_field::model::INPUTS.join(" ");
+    Err(format!("is no input of a net; there are {known}"))
+}
+
 pub fn parse_vec3(text: &str) -> Result<[f32; 3], String> {
     numbers::<3>(text)
 }
