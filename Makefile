@@ -22,9 +22,9 @@ test-setup:
 build: setup
 	cargo build --release --locked
 
-# what rrf inspect, chart, sweep and report start; polars takes longer to build than all the rest
+# rrf and what rrf inspect, chart, sweep and report start; its polars takes as long as all the rest
 report: setup
-	cargo build --release --locked -p rrf-report --features inspect
+	cargo build --release --locked -p rrf -p rrf-report
 
 demo: build
 	@rm -rf $(OUT)
@@ -36,8 +36,8 @@ demo: build
 	@echo "The pictures: $(OUT)/model.png (baked nets) and $(OUT)/traced.png (path traced);"
 	@echo "the same as EXR with the layers direct, indirect and cell beside them."
 
-# cargo test builds the program and the examples that the Python checks call
-test: test-setup python engines
+# cargo test builds the programs and the examples that the Python checks call
+test: test-setup python engines $(NOTEBOOKS)/installed
 	cargo fmt --all --check
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
 	cargo test --release --locked --workspace
@@ -49,6 +49,7 @@ test: test-setup python engines
 	RRF=$(abspath $(RRF)) python3 tests/runs/full_disk.py
 	RRF=$(abspath $(RRF)) python3 tests/runs/store.py --server $(VENV)/bin/moto_server
 	RRF=$(abspath $(RRF)) $(ENGINES)/bin/python tests/engines/ray_cluster.py
+	$(EXECUTE)
 
 python: $(VENV)/installed
 
@@ -71,10 +72,14 @@ docs/view.png: build python $(VENV)/installed
 		$(VENV)/bin/python -m pytest -q tests/python/test_view.py -k screenshot
 
 # the small run that the notebooks look at, and all of them executed
-notebooks: build report $(NOTEBOOKS)/installed
-	RRF=$(abspath $(RRF)) sh notebooks/demo.sh out/notebooks
-	RRF=$(abspath $(RRF)) RRF_DEMO=$(abspath out/notebooks) \
-		$(NOTEBOOKS)/bin/python -m pytest -q --nbmake --nbmake-timeout=400 notebooks
+define EXECUTE
+RRF=$(abspath $(RRF)) sh notebooks/demo.sh out/notebooks
+RRF=$(abspath $(RRF)) RRF_DEMO=$(abspath out/notebooks) \
+	$(NOTEBOOKS)/bin/python -m pytest -q --nbmake --nbmake-timeout=600 notebooks
+endef
+
+notebooks: report $(NOTEBOOKS)/installed
+	$(EXECUTE)
 
 $(NOTEBOOKS)/installed: notebooks/requirements.txt notebooks/setup.sh
 	sh notebooks/setup.sh $(NOTEBOOKS)

@@ -43,11 +43,10 @@ print(manifest["created_by"], "seed", manifest["seed"], f"{table.num_rows:,} row
 schema = rt.contract.load("samples")
 for path in dataset.files:
     assert rt.contract.differences(schema, pq.read_schema(path)) == [], path
-UNITS = {"p": "m", "l": "m", "n": "1", "v": "1", "base_": "1", "y0_": "W/(sr m^2)", "y1_": "W/(sr m^2)"}
-unit = {column["name"]: column["unit"] for column in schema["column"]}
-for group, wanted in UNITS.items():
-    axes = "rgb" if group.endswith("_") else "xyz"
-    assert {unit[group + axis] for axis in axes} == {wanted}, group
+rt.expect_units("samples", {"m": "px py pz lx ly lz", "W/(sr m^2)": "y0_r y0_g y0_b y1_r y1_g y1_b"})
+rt.expect_units("tasks", {"s": "seconds", "byte": "memory"})
+tasks = run / "rounds/000/tasks.parquet"
+assert rt.contract.differences(rt.contract.load("tasks"), pq.read_schema(tasks)) == []
 assert (table["cell"].to_numpy() == table["cell_id"].to_numpy()).all()
 cells, rows = np.unique(table["cell_id"].to_numpy(), return_counts=True)
 assert cells.tolist() == metrics["cell_id"].to_pylist()

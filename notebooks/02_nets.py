@@ -33,6 +33,16 @@ run = rt.demo() / "run"
 tree, weights, metrics = (rt.read_arrow(run / f"model/{name}.arrow") for name in ("tree", "weights", "metrics"))
 for name, table in (("tree", tree), ("weights", weights), ("metrics", metrics)):
     assert rt.contract.differences(rt.contract.load(name), table.schema) == [], name
+# the units that the formulas below are written for
+radiance = "W/(sr m^2)"
+rt.expect_units("tree", {"unit of the column axis_name": "threshold", "unit of each raw column": "domain_min domain_max"})
+rt.expect_units("weights", {"unit of each input": "input_offset", "1 / unit of each input": "input_scale",
+                            radiance: "output_scale output_offset"})
+rt.expect_units("metrics", {})
+rt.expect_units("steps", {})
+rt.expect_units("points", {"m": "px py pz lx ly lz"})
+rt.expect_units("answers", {"m": "px py pz lx ly lz", radiance: "r g b"})
+rt.expect_units("truth", {"m": "px py pz lx ly lz", radiance: "r g b r_se g_se b_se"})
 
 scratch = Path(tempfile.mkdtemp())
 oracle = rt.ORACLE / "cornell_overhead.parquet"
@@ -67,12 +77,14 @@ assert (leaf == answers["cell_id"].to_numpy()).all(), "the kd-tree leads elsewhe
 mine, scale = np.zeros_like(answered), np.zeros_like(answered)
 for net in weights.to_pylist():
     here = leaf == net["cell_id"]
-    mine[here], scale[here] = evaluate(net, rows)[here], net["output_scale"]
+    mine[here] = evaluate(net, rows)[here]
+    # what an error of 1 before the output becomes: y itself where exponential, else the output scale
+    scale[here] = abs(mine[here]) if net["exponential"] else net["output_scale"]
 # points sealed under a box are exactly black, which no net says
 sealed = (answered == 0).all(1)
 error = (abs(mine - answered) / scale)[~sealed]
-print(f"numpy against rrf query: largest difference {error.max():.1e} of a net's output scale; {sealed.sum()} sealed points")
-# float32 with a rational tanh against float64: some 2^-24 a sum of up to 30 terms, two layers
+print(f"numpy against rrf query: largest difference {error.max():.1e}, in units of the last layer's; {sealed.sum()} sealed points")
+# float32 with rational tanh and exp against float64: some 2^-24 a sum of up to 30 terms, two layers
 assert error.max() < 1e-5 and sealed.mean() < 0.02
 
 # %% [markdown]
@@ -116,7 +128,7 @@ raw = rt.stack(rows, rt.contract_names()).astype(np.float32)
 by_onnx, cell_by_onnx = session.run(["rgb", "cell"], {"raw": raw})
 assert (cell_by_onnx == leaf).all()
 error = (abs(by_onnx - answered) / scale)[~sealed]
-print(f"ONNX Runtime against rrf query: largest difference {error.max():.1e} of a net's output scale")
+print(f"ONNX Runtime against rrf query: largest difference {error.max():.1e}")
 assert error.max() < 2e-5  # both in float32: twice the bound above
 
 # %% [markdown]
@@ -140,6 +152,29 @@ for net in weights.to_pylist():
 print(f"saturated: {100 * np.mean(saturated):.1f} % of the units' outputs, worst layer {100 * max(saturated):.0f} %;",
       f"largest weight {max(largest):.0f}")
 assert np.mean(saturated) < 0.2 and max(saturated) < 0.6 and max(largest) < 300
+
+# %% [markdown]
+# ## How the fits went
+# Every fit writes its accepted steps down. There are as many as the metrics say, the damping is
+# positive, every step kept its linearisation's promise in part, and the error on the rows that choose
+# the weights falls.
+
+# %%
+figure, ax = plt.subplots(figsize=(6, 3.2))
+fell = []
+for fit in metrics.to_pylist():
+    steps = rt.read_arrow(run / f"rounds/{fit['round']:03d}/fits/cell={fit['cell_id']:06d}/steps.arrow")
+    assert rt.contract.differences(rt.contract.load("steps"), steps.schema) == []
+    assert steps["step"].to_pylist() == list(range(1, fit["iterations"] + 1))
+    if not fit["iterations"]:
+        continue  # a constant was enough
+    assert min(steps["damping"].to_pylist()) > 0 and min(steps["gain"].to_pylist()) > 0
+    error = np.maximum(steps["relative_square_error"].to_numpy(), 0) ** 0.5
+    ax.plot(steps["step"], 100 * np.where(error > 0, error, np.nan), lw=1)
+    fell.append(error.min() / error[0])
+ax.set(yscale="log", xlabel="step", ylabel="held-out error [%]")
+print(f"the error fell to {np.median(fell):.2f} of that after the first step, median of {len(fell)} cells")
+assert np.median(fell) < 0.5 and max(fell) <= 1
 
 # %% [markdown]
 # ## Effective parameters

@@ -107,7 +107,7 @@ figure.tight_layout()
 
 # %%
 height, width, _ = model["indirect"].shape
-rows = slice(int(0.3 * height), int(0.45 * height))  # the back wall above both boxes
+rows = slice(int(0.26 * height), int(0.36 * height))  # the back wall above both boxes
 
 
 def chromaticity(frame, columns):
@@ -115,7 +115,7 @@ def chromaticity(frame, columns):
     return colour.XYZ_to_xy(xyz[xyz.sum(1) > 0])
 
 
-left, right = slice(int(0.25 * width), int(0.32 * width)), slice(int(0.68 * width), int(0.75 * width))
+left, right = slice(int(0.28 * width), int(0.35 * width)), slice(int(0.65 * width), int(0.72 * width))
 figure, ax = plt.subplots(figsize=(4.5, 4))
 for name, frame, mark in (("nets", model, "o"), ("path traced", traced, "x")):
     near_red, near_green = chromaticity(frame, left), chromaticity(frame, right)

@@ -31,9 +31,10 @@ import rrf_tables as rt
 sweep = Path(os.environ.get("RRF_SWEEP", rt.demo() / "sweep"))
 if not (sweep / "results.parquet").exists():
     rt.rrf("sweep", rt.SCENES / "cornell-box/scene.pbrt", "-o", sweep, "--grid", rt.ROOT / "notebooks/small-grid.toml")
+rt.expect_units("results", {"s": "bake_seconds bake_cpu_seconds frame_seconds frame_cpu_seconds", "byte": "model_bytes"})
 assert rt.contract.differences(rt.contract.load("results"), pq.read_schema(sweep / "results.parquet")) == []
 runs = pl.read_parquet(sweep / "results.parquet")
-print(runs.select("method", "setting", "seed", "bake_seconds", "frame_seconds", "held_out_error", "frame_error"))
+print(runs.select("method", "setting", "seed", "bake_cpu_seconds", "frame_cpu_seconds", "held_out_error", "frame_error"))
 
 # %% [markdown]
 # ## Settings over their seeds
@@ -43,7 +44,7 @@ settings = (
     runs.group_by("method", "setting")
     .agg(
         pl.len().alias("seeds"),
-        pl.col("bake_seconds", "frame_seconds", "model_bytes", "frame_error", "held_out_error").mean(),
+        pl.col("bake_cpu_seconds", "frame_cpu_seconds", "model_bytes", "frame_error", "held_out_error").mean(),
         (pl.col("frame_error").std() / pl.len().sqrt()).fill_null(0).alias("se"),
     )
     .sort("frame_error")
@@ -60,7 +61,7 @@ def front(table, cost):
 
 
 figure, axes = plt.subplots(1, 3, figsize=(13, 3.8))
-for ax, cost in zip(axes, ("bake_seconds", "frame_seconds", "model_bytes")):
+for ax, cost in zip(axes, ("bake_cpu_seconds", "frame_cpu_seconds", "model_bytes")):
     for method, group in settings.drop_nulls(cost).group_by("method"):
         ax.errorbar(group[cost], 100 * group["frame_error"], 100 * group["se"], fmt="o", label=method[0])
     line = front(settings, cost)
@@ -100,13 +101,14 @@ assert (ratio > 0.2).all() and (ratio < 5).all()
 
 # %% [markdown]
 # ## Equal time
-# Path tracing interpolated at the time in which the nets make a frame.
+# Path tracing interpolated at the CPU time in which the nets make a frame (where that is less than its
+# fewest paths take: at those, which only helps it). The nets are nearer to the reference.
 
 # %%
-by_time = settings.filter(pl.col("method") == "path tracing").sort("frame_seconds")
+by_time = settings.filter(pl.col("method") == "path tracing").sort("frame_cpu_seconds")
 best = baked.sort("frame_error").head(1)
-at = np.exp(np.interp(np.log(best["frame_seconds"][0]), np.log(by_time["frame_seconds"].to_numpy()),
+at = np.exp(np.interp(np.log(best["frame_cpu_seconds"][0]), np.log(by_time["frame_cpu_seconds"].to_numpy()),
                       np.log(by_time["frame_error"].to_numpy())))
-print(f"nets {100 * best['frame_error'][0]:.1f} % in {best['frame_seconds'][0]:.2f} s, "
+print(f"nets {100 * best['frame_error'][0]:.1f} % in {best['frame_cpu_seconds'][0]:.2f} CPU s, "
       f"path tracing in that time about {100 * at:.1f} %")
-assert np.isfinite(at) and at > 0
+assert 0 < best["frame_error"][0] < at

@@ -45,6 +45,16 @@ def rrf(*arguments) -> str:
     return done.stdout
 
 
+def expect_units(name, units):
+    """Stops unless every column of schemas/NAME.toml has the unit that a notebook is written for:
+    those of `units` (unit to columns), 1 otherwise."""
+    wanted = {column: unit for unit, columns in units.items() for column in columns.split()}
+    found = {column["name"]: column["unit"] for column in contract.load(name)["column"]}
+    assert wanted.keys() <= found.keys(), wanted.keys() - found.keys()
+    wrong = {column: unit for column, unit in found.items() if unit != wanted.get(column, "1")}
+    assert not wrong, f"schemas/{name}.toml: {wrong}"
+
+
 def read_arrow(path):
     with ipc.open_file(path) as file:
         return file.read_all()

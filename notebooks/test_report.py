@@ -1,4 +1,5 @@
-"""What rrf-report does: inspect, sweep, chart, report, through the program `rrf`."""
+"""What rrf-report does: sweep, chart, report, through the program `rrf`; inspect is tested in
+tests/python."""
 
 import json
 import os
@@ -31,18 +32,28 @@ spp = [2, 8]
 """
 
 
+# anything that a browser would fetch
+OUTSIDE = r'<(script|img|link|iframe)[^>]*\s(src|href)="(?!data:)'
+
+
 def call(*arguments):
     """Exit code, standard output, standard error."""
     done = subprocess.run([rt.program(), *map(str, arguments)], capture_output=True, text=True)
     return done.returncode, done.stdout, done.stderr
 
 
+def sweeping(folder, grid=GRID):
+    """The command of a sweep into FOLDER/out."""
+    folder.mkdir(exist_ok=True)
+    (folder / "grid.toml").write_text(grid)
+    return ["sweep", SCENE, "-o", folder / "out", "--grid", folder / "grid.toml"]
+
+
 @pytest.fixture(scope="module")
 def sweep(tmp_path_factory):
-    """A sweep that was killed after its first run and went on."""
+    """A sweep that was killed (SIGKILL) after its first run, in the middle of another, and went on."""
     folder = tmp_path_factory.mktemp("sweep")
-    (folder / "grid.toml").write_text(GRID)
-    command = ["sweep", SCENE, "-o", folder / "out", "--grid", folder / "grid.toml"]
+    command = sweeping(folder)
     process = subprocess.Popen([rt.program(), *map(str, command)], start_new_session=True)
     end = time.monotonic() + 300
     while not list((folder / "out").glob("rows/*.json")):
@@ -66,13 +77,55 @@ def test_a_killed_sweep_goes_on(sweep):
     assert sorted(runs["rows"].drop_nulls().to_list()) == pytest.approx([2000, 4000], rel=0.1)  # a thousand a cell at least
 
 
+def test_a_killed_sweep_has_the_table_of_one_that_was_not(sweep, tmp_path):
+    """But for the times, which are of different processes."""
+    rt.rrf(*sweeping(tmp_path / "whole"))
+    killed, whole = (pl.read_parquet(p / "results.parquet").drop(pl.selectors.ends_with("seconds"))
+                     for p in (sweep, tmp_path / "whole/out"))
+    assert killed.width >= 15 and killed.equals(whole, null_equal=True)
+
+
+def test_times_are_of_the_runs(sweep):
+    """CPU time is no more than wall time on every core; a bake takes more of it than a frame."""
+    runs, cores = pl.read_parquet(sweep / "results.parquet"), os.cpu_count()
+    assert (runs["frame_cpu_seconds"] > 0).all()
+    assert (runs["frame_cpu_seconds"] < cores * runs["frame_seconds"] + 0.05).all()
+    bakes = runs.drop_nulls("bake_seconds")
+    assert (bakes["bake_cpu_seconds"] < cores * bakes["bake_seconds"] + 0.05).all()
+    assert (bakes["bake_cpu_seconds"] > bakes["frame_cpu_seconds"]).all()
+
+
 def test_charts_need_nothing_from_outside(sweep, tmp_path):
     rt.rrf("chart", sweep, "-o", tmp_path)
     assert (tmp_path / "frontier.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     svg, page = ((tmp_path / f"frontier.{kind}").read_text() for kind in ("svg", "html"))
-    assert svg.count("<circle") >= 4 + 4 and "path tracing" in svg
-    assert not re.search(r'<(script|img|link|iframe)[^>]*\s(src|href)="(?!data:)', page)
+    # four runs in the panel of frame times, the two bakes in each of the others; the legend's two
+    assert svg.count("<circle") == 4 + 2 + 2 + 2 and "path tracing" in svg
+    assert not re.search(OUTSIDE, page)
     assert page.count("Plotly.newPlot") >= 3
+
+
+def test_rounds_of_runs(tmp_path):
+    """The chart of a run of two rounds beside the demo's: a point a round, time and target."""
+    run = tmp_path / "two rounds"
+    box = "-0.6,1.3,-0.6,0.6,1.8,0.6"
+    sizes = ["--preset", "preview", "--rows", 4000, "--paths", 8, "--cells", 2, "--rounds", 2, "--target", 0.01]
+    rt.rrf("bake", SCENE, "-o", run, "--light-box", box, *sizes)
+    rt.rrf("chart", run, rt.demo() / "run", "-o", tmp_path / "charts")
+    svg, page = ((tmp_path / f"charts/rounds.{kind}").read_text() for kind in ("svg", "html"))
+    judged = [json.loads(path.read_text()) for path in sorted(run.glob("rounds/*/judged.json"))]
+    assert [j["round"] for j in judged] == [0, 1]
+    # three panels (time, rows, weights) with the rounds of both runs, and the legend
+    assert svg.count("<circle") == 3 * 3 + 2 and "two rounds" in svg
+    for j in judged:
+        assert f"{100 * j['judgement']['relative_error']:.2f} ±" in page
+    seconds = [json.loads(path.read_text()) for path in sorted(run.glob("rounds/*/seconds.json"))]
+    assert len(seconds) == 2 and all(s["extract"] > 0 and s["train"] > 0 and s["judge"] > 0 for s in seconds)
+    assert not re.search(OUTSIDE, page)
+    rt.rrf("report", run, "-o", tmp_path / "run.html", "--size", "32x32", "--spp", 4)
+    text = (tmp_path / "run.html").read_text()
+    assert text.count("<svg") == 3  # rounds, two sets of training curves
+    assert f"{seconds[0]['extract']:.1f}</td>" in text
 
 
 def test_page_of_a_run(tmp_path):
@@ -81,29 +134,27 @@ def test_page_of_a_run(tmp_path):
     text = page.read_text()
     assert text.count("data:image/png;base64,") == 5
     manifest = json.loads((rt.demo() / "run/run.json").read_text())
-    for wanted in (manifest["scene_hash"], "Error by cell", "Error by light position", "maxdepth", "not trusted"):
+    for wanted in (manifest["scene_hash"], manifest["created_by"], "FLIP", "ΔE2000", "Error by cell",
+                   "Error by light position", "Training curves", "extraction [s]", "maxdepth", "not trusted"):
         assert wanted in text, wanted
-    assert not re.search(r'<(script|img|link)[^>]*\s(src|href)="(?!data:)', text)
+    # a line a cell in each of the two charts of training curves, but for the axes' own
+    cells = len(rt.read_arrow(rt.demo() / "run/model/metrics.arrow"))
+    assert text.count("<svg") == 2 and text.count("<polyline") >= 2 * cells
+    assert not re.search(OUTSIDE, text)
 
 
-def test_inspect_counts_what_is_there():
-    run = rt.demo() / "run"
-    code, out, _ = call("inspect", run, "--sql", "select count(*) as n, max(px) as x from samples", "--json")
-    rows = rt.samples(run, ["px"])
-    assert code == 0
-    assert json.loads(out) == [{"n": rows.num_rows, "x": pytest.approx(max(rows["px"].to_pylist()))}]
-    code, out, _ = call("inspect", run, "--json")
-    sections = json.loads(out)["sections"]
-    assert code == 0 and any(title.startswith(f"samples: {rows.num_rows} rows") for title in sections)
-    code, out, _ = call("inspect", run / "model/metrics.arrow", "--sql", "select sum(rows) as n from self", "--json")
-    assert code == 0 and json.loads(out) == [{"n": rows.num_rows}]
-    assert call("inspect", run)[0] == 0
+def test_light_bins_hold_the_rows_held_out(tmp_path):
+    """Every row held out is in one bin of each axis."""
+    page = tmp_path / "run.html"
+    rt.rrf("report", rt.demo() / "run", "-o", page, "--size", "16x16", "--spp", 2)
+    text = page.read_text()
+    section = text[text.index("Error by light position"):text.index("What was approximated")]
+    rows = [int(n) for n in re.findall(r'<td class="n">(\d+)</td><td class="n">[\d.]+ ±', section)]
+    held_out = sum(rt.read_arrow(rt.demo() / "run/model/metrics.arrow")["validation_rows"].to_pylist())
+    assert len(rows) == 18 and [sum(rows[i:i + 6]) for i in (0, 6, 12)] == [held_out] * 3
 
 
 @pytest.mark.parametrize("arguments", [
-    ("inspect", "no/such/place"),
-    ("inspect", rt.ROOT / "Cargo.toml"),
-    ("inspect", rt.ORACLE / "cornell_overhead.parquet", "--sql", "select nothing from nowhere"),
     ("chart", rt.ROOT, "-o", "out/never"),
     ("sweep", SCENE, "-o", "out/never", "--grid", rt.ROOT / "Cargo.toml"),
     ("report", rt.ROOT, "-o", "out/never.html"),

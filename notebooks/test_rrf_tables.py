@@ -1,5 +1,7 @@
 """The helpers against something dumber, and the notebooks against their pairs."""
 
+import re
+
 import numpy as np
 import jupytext
 import pyarrow as pa
@@ -44,6 +46,26 @@ def test_relative_error_takes_noise_out():
     error, se = rt.relative_error(1.1 * truth, noisy, noise)
     assert abs(error - 0.1 * 1.017) < 5 * se + 0.1 * 0.005
     assert rt.relative_error(1.1 * truth, noisy, 0 * noise)[0] > 0.11
+
+
+@pytest.mark.parametrize("name", rt.contract.names())
+def test_a_changed_unit_stops_a_notebook(name, tmp_path, monkeypatch):
+    """A notebook names the units of every table; one column's, changed alone, is found."""
+    texts = [path.read_text() for path in FOLDER.glob("0*.py")]
+    calls = [line for text in texts for line in re.findall(rf'rt\.expect_units\("{name}", .*?\}}\)', text, re.S)]
+    assert len(calls) == 1, name
+    known = {"rt": rt, "radiance": "W/(sr m^2)"}
+    exec(calls[0], known)
+    for path in rt.contract.SCHEMAS.glob("*.toml"):
+        (tmp_path / path.name).write_text(path.read_text())
+    monkeypatch.setattr(rt.contract, "SCHEMAS", tmp_path)
+    text = (tmp_path / f"{name}.toml").read_text()
+    places = [match.end() - 1 for match in re.finditer(r'^unit = ".*"', text, re.M)]
+    assert places
+    for place in places:
+        (tmp_path / f"{name}.toml").write_text(text[:place] + "/s" + text[place:])
+        with pytest.raises(AssertionError):
+            exec(calls[0], known)
 
 
 def test_srgb_is_the_standards():

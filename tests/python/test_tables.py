@@ -237,6 +237,16 @@ def test_metrics_are_consistent(run):
     assert metrics[2]["relative_error_validation"] is None
 
 
+def test_steps_of_a_fit(run):
+    """A batch without a step has no cost; an error may be below zero."""
+    table = read_arrow(run / "rounds/000/fits/cell=000000/steps.arrow")
+    assert contract.differences(contract.load("steps"), table.schema) == []
+    assert table["step"].to_pylist() == [1, 2, 3, 4]
+    assert table["cost"].to_pylist() == [1, None, pytest.approx(1 / 3), 0.25]
+    errors = table["relative_square_error"].to_pylist()
+    assert errors[2] is None and errors[3] == pytest.approx(-0.006)
+
+
 # --- points
 
 

@@ -50,7 +50,9 @@ def rrf(env, *args, check=True):
 
 
 def below(folder):
+    """Bytes of a run's files, by their paths, but for the one with wall times."""
     files = (p for p in Path(folder).rglob("*") if p.is_file() and "staging" not in p.parts)
+    files = (p for p in files if p.name != "seconds.json")
     return {str(p.relative_to(folder)): p.read_bytes() for p in files}
 
 

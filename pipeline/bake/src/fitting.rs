@@ -11,12 +11,12 @@ use crate::work::{each_part, read_cell};
 use rrf_field::model::CellModel;
 use rrf_store::atomic::create_folder;
 use rrf_store::layout::{fit_folder, staging_folder};
-use rrf_store::model::{self, CellMetrics, Domain, Fit, SquareError};
+use rrf_store::model::{self, CellMetrics, Domain, Fit, FitStep, SquareError};
 use rrf_store::samples::SampleTable;
 use rrf_store::{StoreError, atomic};
 use rrf_train::prepare::Samples;
 use rrf_train::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, ErrorEstimate, Start, TrainConfig, fit_from};
+use rrf_train::{CellFit, ErrorEstimate, HistoryRow, Start, TrainConfig, fit_from};
 
 /// Fits a cell and writes the fit.
 pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), BakeError> {
@@ -33,6 +33,7 @@ pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), Bak
         true => spilled(run, job, config, start)?,
         false => held(run, job, config, start)?,
     };
+    let steps: Vec<FitStep> = fit.report.history.iter().map(step).collect();
     let fit = Fit {
         domain: seen.domain,
         metrics: metrics(&fit.metrics, seen.noise(), cell.fitted),
@@ -40,9 +41,22 @@ pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), Bak
         task: task.hash.clone(),
     };
     let folder = fit_folder(&run.folder, cell.fitted, cell.cell);
+    model::write_steps(&folder, &steps, &run.facts())?;
     model::write_fit(&folder, &fit, &run.facts())?;
     keeper.remove();
     Ok(())
+}
+
+fn step(row: &HistoryRow) -> FitStep {
+    let known = |x: f64| x.is_finite().then_some(x);
+    FitStep {
+        step: row.iteration as u32,
+        residuals: row.residuals as u64,
+        cost: known(row.cost),
+        square_error: known(row.validation),
+        damping: row.mu,
+        gain: known(row.gain),
+    }
 }
 
 /// The net that a cell's fit goes on from.

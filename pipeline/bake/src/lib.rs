@@ -27,6 +27,7 @@ mod plan;
 mod remedy;
 mod rounds;
 mod run;
+mod seconds;
 mod split;
 mod task;
 mod watch;
@@ -44,6 +45,8 @@ pub use rounds::{
     Ended, Standing, finish_round, first_plan, first_tasks, perform_stage, rounds, standing,
 };
 pub use run::{Judged, Run};
+pub use seconds::{Seconds, read_seconds};
+pub use split::is_held_out;
 pub use task::{Stage, Task, is_done, tasks};
 pub use watch::{Halt, Watch};
 pub use work::{Site, perform, perform_job};

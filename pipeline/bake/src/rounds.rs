@@ -11,11 +11,13 @@ use crate::error::BakeError;
 use crate::judge::Judgement;
 use crate::plan::RoundPlan;
 use crate::run::{Judged, Run};
+use crate::seconds;
 use crate::task::{Stage, Task, is_done, tasks};
 use crate::watch::Watch;
 use crate::work::{Site, perform};
 use rrf_extract::Census;
 use rrf_store::layout::remove_unfinished;
+use std::time::Instant;
 
 /// Where a run stands.
 #[derive(Clone, Debug)]
@@ -94,6 +96,7 @@ pub fn perform_stage(
     only: Option<&[u32]>,
     watch: &dyn Watch,
 ) -> Result<(), BakeError> {
+    let start = Instant::now();
     let mut todo = Vec::new();
     for task in tasks(run, plan)? {
         let wanted = only.is_none_or(|cells| cells.contains(&task.cell));
@@ -119,7 +122,8 @@ pub fn perform_stage(
         Ok(())
     });
     watch.end();
-    done
+    let noted = seconds::add(run, plan.round, seconds::of(stage), start);
+    done.and(noted)
 }
 
 /// Commits a round whose tasks are done and writes down what comes next.
@@ -128,6 +132,7 @@ pub fn finish_round(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), Ba
 }
 
 fn finish(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
+    let start = Instant::now();
     let judgement = commit(run, plan)?;
     let next = decide(run, plan, &judgement)?;
     if let Next::Round(next) = &next {
@@ -144,6 +149,7 @@ fn finish(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
         judgement: judgement.clone(),
         stop,
     })?;
+    seconds::add(run, plan.round, |s| &mut s.judge, start)?;
     Ok((judgement, next))
 }
 

@@ -165,6 +165,8 @@ impl Run {
             write_new_json(&chapter_path(&self.folder, plan.round, number), chapter)?;
         }
         write_tasks(&path, &task_rows(&chapters), &self.facts())?;
+        // of another plan of this round
+        remove_file(&crate::seconds::path(self, plan.round))?;
         write_json(&self.round_file(plan.round, "plan.json"), plan)
     }
 
@@ -279,7 +281,9 @@ fn removed(path: &Path, result: std::io::Result<()>) -> Result<(), StoreError> {
     }
 }
 
-fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Option<T>, BakeError> {
+pub(crate) fn read_json<T: serde::de::DeserializeOwned>(
+    path: &Path,
+) -> Result<Option<T>, BakeError> {
     let text = match std::fs::read(path) {
         Ok(text) => text,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -296,7 +300,7 @@ fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<Option<T>, B
     Ok(Some(value))
 }
 
-fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BakeError> {
+pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BakeError> {
     let mut text = serde_json::to_vec(value).map_err(|error| corrupt(path, error.to_string()))?;
     text.push(b'\n');
     if let Some(folder) = path.parent() {

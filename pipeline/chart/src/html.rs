@@ -8,8 +8,8 @@ const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1200px;ma
     padding:0 1em;color:#222}h1{font-size:1.6em}h2{margin-top:2em;font-size:1.25em}\
     table{border-collapse:collapse;margin:.5em 0}td,th{border-bottom:1px solid #ddd;\
     padding:.2em .8em;text-align:left;font-variant-numeric:tabular-nums}th{font-weight:600}\
-    td.n,th.n{text-align:right}figure{display:inline-block;margin:.5em;vertical-align:top}\
-    figcaption{font-size:.85em;color:#555}img{image-rendering:pixelated;max-width:100%}\
+    td.n,th.n{text-align:right;white-space:nowrap}figure{display:inline-block;margin:.5em;vertical-align:top}\
+    figcaption{font-size:.85em;color:#555}img{image-rendering:pixelated;width:320px;max-width:100%}svg{max-width:100%;height:auto}\
     code{background:#f3f3f3;padding:0 .2em}.plot{height:460px}.note{color:#555}";
 
 /// Writes a page; `head` is script, `body` HTML, both as they are.

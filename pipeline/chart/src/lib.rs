@@ -3,8 +3,8 @@
 //! [`sweep::run`] bakes a scene with every setting of a [`grid::Grid`], measures each run against
 //! a path-traced frame and keeps one row a run ([`results::Row`], `schemas/results.toml`);
 //! [`chart::write`] draws the Pareto fronts of error against time and size, as SVG, PNG and one
-//! page with hover and zoom; [`page::write`] is all about one run on one page. No page needs
-//! anything from outside.
+//! page with hover and zoom; [`rounds::write`] does so for the rounds of runs; [`page::write`] is
+//! all about one run on one page. No page needs anything from outside.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
@@ -19,7 +19,8 @@ mod interactive;
 pub mod page;
 mod program;
 pub mod results;
+pub mod rounds;
 pub mod sweep;
 
 pub use error::ChartError;
-pub use program::Program;
+pub use program::{Done, Program};

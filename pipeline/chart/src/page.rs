@@ -1,6 +1,6 @@
 //! `rrf report`: all about one run on one page.
 
-use crate::{ChartError, Program, html};
+use crate::{ChartError, Program, draw, html, rounds};
 use base64::Engine;
 use rrf_bake::Run;
 use rrf_render::png::Shown;
@@ -12,6 +12,7 @@ use std::ffi::OsString;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+mod curves;
 mod lights;
 mod tables;
 
@@ -38,14 +39,32 @@ pub fn write(page: &Page) -> Result<(), ChartError> {
     let scene = run.load_scene()?;
     let metrics = model::read_metrics(page.run, &run.facts())?;
     let mut body = tables::run(&run, &metrics);
+    body += &untrusted(&run, &scene, &metrics);
     body += &frames(page, &run)?;
+    body += &course(&run)?;
+    body += &curves::training(&run, &metrics)?;
     body += &tables::cells(&metrics);
     body += &lights::by_position(&run)?;
     body += &tables::scene(&scene);
-    body += &untrusted(&run, &scene, &metrics);
     let name = page.run.file_name().unwrap_or(page.run.as_os_str());
     let title = format!("Run {}", name.to_string_lossy());
     html::write(page.output, &title, "", &body)
+}
+
+/// Errors and timings, round by round.
+fn course(run: &Run) -> Result<String, ChartError> {
+    let done = rounds::of(run)?;
+    let mut out = format!("<h2>Rounds</h2>\n{}", rounds::table(&done));
+    let target = 100.0 * f64::from(run.config.target);
+    if done.len() > 1 {
+        let panels = rounds::panels(&[("this run".into(), done)], Some(target));
+        out += &format!(
+            "<figure>{}<figcaption>Error on rows held out after each round, one standard error; \
+             dashed, the target.</figcaption></figure>\n",
+            draw::svg_panels(&panels)?
+        );
+    }
+    Ok(out)
 }
 
 /// The model's frame beside the path-traced one, error maps and cells.
@@ -66,11 +85,11 @@ fn frames(page: &Page, run: &Run) -> Result<String, ChartError> {
         "-o".into(),
         model.clone().into(),
     ]);
-    let (seconds, _) = page.program.run(&render)?;
+    let seconds = page.program.run(&render)?.seconds;
     let scene: OsString = run.manifest.scene.clone().into();
     let mut trace = words(["trace".into(), scene, "-o".into(), traced.clone().into()]);
     trace.extend(["--spp".into(), page.spp.to_string().into()]);
-    let (traced_seconds, _) = page.program.run(&trace)?;
+    let traced_seconds = page.program.run(&trace)?.seconds;
     let (frame, reference) = (exr::read_frame(&model)?, exr::read(&traced)?);
     let test = frame.picture();
     let comparison = compare(&reference, &test, None)?;

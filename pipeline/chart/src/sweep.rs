@@ -7,7 +7,7 @@
 use crate::frames::{FrameErrors, Reference};
 use crate::grid::{Grid, Setting};
 use crate::results::{self, CELLS, PATH_TRACING, Row};
-use crate::{ChartError, Program};
+use crate::{ChartError, Done, Program};
 use arrow::array::AsArray;
 use arrow::datatypes::Float32Type;
 use rrf_bake::Run;
@@ -122,14 +122,15 @@ impl Sweep<'_> {
         for (option, value) in &setting.0 {
             words.extend([format!("--{option}").into(), value.into()]);
         }
-        let (bake_seconds, _) = self.program.run(&words)?;
-        let (frame_seconds, errors) = self.render(&run, reference)?;
+        let bake = self.program.run(&words)?;
+        let (frame, errors) = self.render(&run, reference)?;
         let mut row = model_row(&run)?;
         row.method = setting.0.get("method").map_or(CELLS, String::as_str).into();
         row.setting = setting.name();
         row.seed = seed;
-        row.bake_seconds = Some(bake_seconds);
-        row.frame_seconds = frame_seconds;
+        row.bake_seconds = Some(bake.seconds);
+        row.bake_cpu_seconds = Some(bake.cpu_seconds);
+        (row.frame_seconds, row.frame_cpu_seconds) = frame;
         if let Some(table) = &self.grid.points {
             let (error, se) = self.points_error(&run, table)?;
             (row.points_error, row.points_error_se) = (Some(error), Some(se));
@@ -137,18 +138,26 @@ impl Sweep<'_> {
         Ok(with_errors(row, errors))
     }
 
-    /// Median seconds of a frame by the nets, and its errors.
-    fn render(&self, run: &Path, reference: &Reference) -> Result<(f64, FrameErrors), ChartError> {
+    /// Median wall and CPU seconds of a frame by the nets, and its errors.
+    fn render(
+        &self,
+        run: &Path,
+        reference: &Reference,
+    ) -> Result<((f64, f64), FrameErrors), ChartError> {
         let frame = run.join("frame.exr");
         let mut words = words(["render"]);
         words.extend([run.into(), "-o".into(), frame.clone().into()]);
         words.extend(self.view());
-        let mut seconds = Vec::new();
-        for _ in 0..RENDERINGS {
-            seconds.push(self.program.run(&words)?.0);
+        let (mut wall, mut cpu) = ([0.0; RENDERINGS], [0.0; RENDERINGS]);
+        for (wall, cpu) in wall.iter_mut().zip(&mut cpu) {
+            let done = self.program.run(&words)?;
+            (*wall, *cpu) = (done.seconds, done.cpu_seconds);
         }
-        seconds.sort_by(f64::total_cmp);
-        Ok((seconds[RENDERINGS / 2], reference.judge(&frame)?))
+        let [wall, cpu] = [wall, cpu].map(|mut times| {
+            times.sort_by(f64::total_cmp);
+            times[RENDERINGS / 2]
+        });
+        Ok(((wall, cpu), reference.judge(&frame)?))
     }
 
     fn trace(&self, spp: u32, seed: u64, reference: &Reference) -> Result<Row, ChartError> {
@@ -156,25 +165,26 @@ impl Sweep<'_> {
             .folder
             .join("runs")
             .join(format!("trace-{spp}-{seed}.exr"));
-        let seconds = self.trace_frame(&frame, spp, seed)?;
+        let done = self.trace_frame(&frame, spp, seed)?;
         let row = Row {
             method: PATH_TRACING.into(),
             setting: format!("spp={spp}"),
             seed,
             paths: Some(spp.into()),
-            frame_seconds: seconds,
+            frame_seconds: done.seconds,
+            frame_cpu_seconds: done.cpu_seconds,
             ..Row::default()
         };
         Ok(with_errors(row, reference.judge(&frame)?))
     }
 
-    fn trace_frame(&self, frame: &Path, spp: u32, seed: u64) -> Result<f64, ChartError> {
+    fn trace_frame(&self, frame: &Path, spp: u32, seed: u64) -> Result<Done, ChartError> {
         let mut words = words(["trace"]);
         words.extend([self.scene.into(), "-o".into(), frame.into()]);
         words.extend(["--spp".into(), spp.to_string().into()]);
         words.extend(["--seed".into(), seed.to_string().into()]);
         words.extend(self.view());
-        Ok(self.program.run(&words)?.0)
+        self.program.run(&words)
     }
 
     /// The reference's halves, traced where they are missing.

@@ -26,7 +26,7 @@ pub(crate) enum Command {
     /// A dataset, a model, a sweep or a table at a glance.
     #[cfg(feature = "inspect")]
     Inspect(InspectArgs),
-    /// Pareto fronts of error against time and size: SVG, PNG, HTML.
+    /// Error against time and size, of a sweep or round by round of runs: SVG, PNG, HTML.
     Chart(ChartArgs),
     /// Bake every setting of a grid and measure each run; goes on where it was cut off.
     Sweep(SweepArgs),
@@ -49,10 +49,10 @@ pub(crate) struct InspectArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct ChartArgs {
-    /// Sweep folders, or results.parquet files.
+    /// Sweep folders or results.parquet files, or run folders.
     #[arg(required = true)]
     pub(crate) sources: Vec<PathBuf>,
-    /// Folder for frontier.svg, frontier.png and frontier.html.
+    /// Folder for frontier.svg, .png and .html of sweeps, rounds.svg, .png and .html of runs.
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
 }

@@ -9,7 +9,9 @@ mod inspect;
 
 use args::{Cli, Command};
 use clap::Parser;
-use rrf_chart::{ChartError, Program, grid::Grid, page, results, sweep};
+use rrf_chart::results::{self, Row};
+use rrf_chart::{ChartError, Program, grid::Grid, page, sweep};
+use rrf_store::manifest::RunManifest;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -108,8 +110,26 @@ fn run_sweep(args: &args::SweepArgs, program: Program, quiet: bool) -> anyhow::R
 }
 
 fn chart(args: &args::ChartArgs) -> anyhow::Result<()> {
+    let is_run = |path: &PathBuf| RunManifest::path(path).exists();
+    let (runs, sweeps): (Vec<_>, Vec<_>) = args.sources.iter().cloned().partition(is_run);
+    let mut written = Vec::new();
+    if !runs.is_empty() {
+        written.extend(rrf_chart::rounds::write(&args.output, &runs)?);
+    }
+    if let Some(first) = sweeps.first() {
+        let rows = sweep_rows(&sweeps)?;
+        written.extend(rrf_chart::chart::write(&args.output, first, &rows)?);
+    }
+    for path in written {
+        println!("{}", path.display());
+    }
+    Ok(())
+}
+
+/// The rows of all sweeps.
+fn sweep_rows(sweeps: &[PathBuf]) -> anyhow::Result<Vec<Row>> {
     let mut rows = Vec::new();
-    for source in &args.sources {
+    for source in sweeps {
         let table = if source.is_dir() {
             source.join("results.parquet")
         } else {
@@ -117,16 +137,12 @@ fn chart(args: &args::ChartArgs) -> anyhow::Result<()> {
         };
         if !table.exists() {
             return Err(BadInput(format!(
-                "{}: no results.parquet: not the folder of a sweep",
+                "{}: neither a run (run.json) nor a sweep (results.parquet)",
                 source.display()
             ))
             .into());
         }
         rows.extend(results::read(&table)?);
     }
-    let source = args.sources.first().cloned().unwrap_or_default();
-    for path in rrf_chart::chart::write(&args.output, &source, &rows)? {
-        println!("{}", path.display());
-    }
-    Ok(())
+    Ok(rows)
 }

@@ -12,8 +12,8 @@ mod made;
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, RecordBatch, UInt32Array};
 use rrf_field::columns::Columns;
 use rrf_field::model::{CellModel, fill};
-use rrf_store::layout::staging_folder;
-use rrf_store::model::{write_metrics, write_tree, write_weights};
+use rrf_store::layout::{fit_folder, staging_folder};
+use rrf_store::model::{write_metrics, write_steps, write_tree, write_weights};
 use rrf_store::parts::write_part;
 use rrf_store::points::write_points;
 use rrf_store::schema::Table;
@@ -43,6 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     write_tree(&run, &made::tree(), &facts)?;
     write_weights(&run, &CELLS.map(made::cell_model), &facts)?;
     write_metrics(&run, &CELLS.map(made::metrics), &facts)?;
+    write_steps(&fit_folder(&run, 0, 0), &made::steps(), &facts)?;
     tables(&folder)
 }
 

@@ -7,11 +7,13 @@
 mod fit;
 mod lists;
 mod metrics;
+mod steps;
 mod tree;
 mod weights;
 
 pub use fit::{Fit, fit_task, read_fit, write_fit};
 pub use metrics::{CellMetrics, SquareError};
+pub use steps::{FitStep, read_steps, write_steps};
 pub use tree::{Domain, ModelTree};
 
 use crate::arrow_file;

@@ -39,10 +39,12 @@ pub enum Table {
     Tasks,
     /// Runs of a sweep.
     Results,
+    /// The course of a fit, `rounds/000/fits/cell=000000/steps.arrow`.
+    Steps,
 }
 
 /// Every table.
-pub const TABLES: [Table; 9] = [
+pub const TABLES: [Table; 10] = [
     Table::Samples,
     Table::Tree,
     Table::Weights,
@@ -52,6 +54,7 @@ pub const TABLES: [Table; 9] = [
     Table::Answers,
     Table::Tasks,
     Table::Results,
+    Table::Steps,
 ];
 
 impl Table {
@@ -67,6 +70,7 @@ impl Table {
             Table::Answers => "answers",
             Table::Tasks => "tasks",
             Table::Results => "results",
+            Table::Steps => "steps",
         }
     }
 
@@ -82,6 +86,7 @@ impl Table {
             Table::Answers => include_str!("../../../schemas/answers.toml"),
             Table::Tasks => include_str!("../../../schemas/tasks.toml"),
             Table::Results => include_str!("../../../schemas/results.toml"),
+            Table::Steps => include_str!("../../../schemas/steps.toml"),
         }
     }
 }

@@ -38,7 +38,7 @@ fn config() -> BakeConfig {
     config
 }
 
-/// Every file of a run with its bytes.
+/// Every file of a run with its bytes, but for those with wall times.
 pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -47,7 +47,7 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         if entry.file_type().unwrap().is_dir() {
             let inner = files(&entry.path()).into_iter();
             found.extend(inner.map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
-        } else {
+        } else if name != "seconds.json" {
             found.insert(name, std::fs::read(entry.path()).unwrap());
         }
     }

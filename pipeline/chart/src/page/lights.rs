@@ -1,7 +1,7 @@
 //! Error by light position.
 
 use crate::{ChartError, html};
-use rrf_bake::Run;
+use rrf_bake::{Run, is_held_out};
 use rrf_field::{Field, columns};
 use rrf_store::{layout, model, parts};
 
@@ -15,7 +15,7 @@ struct Bin {
     square_of_squares: f64,
 }
 
-/// A table an axis of the light box: the model's error on the samples whose light is there.
+/// A table an axis of the light box: the model's error on rows held out whose light is there.
 pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
     let facts = run.facts();
     let model = model::read_model(&run.folder, &facts)?;
@@ -47,12 +47,17 @@ pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
             })?;
         let [r, g, blues] = &answers;
         for (row, ((&r, &g), &blue)) in r.iter().zip(g).zip(blues).enumerate() {
+            let index = table.index.get(row).copied().unwrap_or_default();
+            if !is_held_out(run.config.train.seed, index) {
+                continue;
+            }
             let p = [r, g, blue];
             let (y0, y1) = (table.halves[0][row], table.halves[1][row]);
             let square: f64 = (0..3)
                 .map(|c| f64::from(p[c] - y0[c]) * f64::from(p[c] - y1[c]))
                 .sum();
-            let square = square / 3.0 / lum(table.mean(row)).max(floor).powi(2);
+            // the target's own luminance is noisy, and small where the noise says so
+            let square = square / 3.0 / lum(p).max(floor).powi(2);
             let light = table.columns.vec3(columns::L, row);
             for axis in 0..3 {
                 let width = f64::from(b[axis + 3] - b[axis]).max(f64::MIN_POSITIVE);
@@ -65,9 +70,9 @@ pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
         }
     }
     let mut out = String::from(
-        "<h2>Error by light position</h2>\n<p class=\"note\">Relative error over all samples, most \
-         of which the nets were fitted to, by the light's place along each axis of the light \
-         box.</p>\n",
+        "<h2>Error by light position</h2>\n<p class=\"note\">Relative error on rows held out, \
+         Monte Carlo noise taken out, ± its standard error, relative to the \
+         prediction's luminance, by the light's place along each axis of the light box.</p>\n",
     );
     for (axis, bins) in bins.iter().enumerate() {
         let width = (b[axis + 3] - b[axis]) / BINS as f32;

@@ -44,6 +44,9 @@ fn flatten(value: &Value, name: String, to: &mut Vec<Vec<String>>) {
     }
 }
 
+/// Cells that stand open on the page.
+const SHOWN: usize = 20;
+
 /// A row a cell, the worst first.
 pub(super) fn cells(metrics: &[CellMetrics]) -> String {
     let error = |cell: &CellMetrics| cell.validation.map(|e| e.relative());
@@ -74,6 +77,7 @@ pub(super) fn cells(metrics: &[CellMetrics]) -> String {
             ]
         })
         .collect();
+    let (first, rest) = rows.split_at(rows.len().min(SHOWN));
     let heads = [
         "cell",
         "round",
@@ -89,8 +93,15 @@ pub(super) fn cells(metrics: &[CellMetrics]) -> String {
     format!(
         "<h2>Error by cell</h2>\n<p class=\"note\">Relative error sqrt(mean((p − m)² / max(lum, ε)²)), \
          ε 5 % of the mean luminance, Monte Carlo noise taken out, ± its standard error. Worst \
-         first.</p>\n{}",
-        html::table(&heads, &rows)
+         first.</p>\n{}{}",
+        html::table(&heads, first),
+        match rest.len() {
+            0 => String::new(),
+            more => format!(
+                "<details><summary>{more} more</summary>{}</details>\n",
+                html::table(&heads, rest)
+            ),
+        }
     )
 }
 

@@ -1,7 +1,7 @@
 //! What is worth knowing of each table.
 
 use super::{Tables, sql};
-use polars::prelude::{Column, DataFrame, DataType, IntoColumn, NamedFrom, Series};
+use polars::prelude::{Column, DataFrame, DataType, IntoColumn, IntoLazy, NamedFrom, Series};
 use std::path::Path;
 
 /// A heading and a table.
@@ -10,49 +10,58 @@ pub(super) struct Section {
     pub(super) frame: DataFrame,
 }
 
-/// Queries shown of a table that is there, after its columns.
-const QUERIES: [(&str, &str, &str); 6] = [
-    (
-        "samples",
-        "cells",
-        "SELECT COUNT(*) AS cells, SUM(n) AS rows, MIN(n) AS fewest, MAX(n) AS most \
-         FROM (SELECT cell_id, COUNT(*) AS n FROM samples GROUP BY cell_id) AS c",
-    ),
-    (
-        "samples",
-        "noise of a row: relative to the whole mean, from the two halves",
-        "SELECT SQRT(AVG((y0_r-y1_r)*(y0_r-y1_r) + (y0_g-y1_g)*(y0_g-y1_g) + \
-         (y0_b-y1_b)*(y0_b-y1_b)) / 12.0) AS standard_error, \
-         AVG(y0_r + y0_g + y0_b + y1_r + y1_g + y1_b) / 6.0 AS mean_radiance FROM samples",
-    ),
-    (
-        "metrics",
-        "whole",
-        "SELECT COUNT(*) AS cells, SUM(rows) AS rows, SUM(weights) AS weights, \
-         SUM(quarantined_rows) AS quarantined, SQRT(SUM(relative_square_error_validation * \
-         validation_rows) / SUM(validation_rows)) AS held_out_error, AVG(iterations) AS iterations \
-         FROM metrics",
-    ),
-    (
-        "metrics",
-        "worst cells",
-        "SELECT cell_id, rows, relative_error_validation, relative_error_validation_se, \
-         relative_error_train, noise, weights, effective_parameters, stop_reason FROM metrics \
-         ORDER BY relative_error_validation DESC LIMIT 8",
-    ),
-    (
-        "metrics",
-        "why fits stopped",
-        "SELECT stop_reason, COUNT(*) AS cells FROM metrics GROUP BY stop_reason ORDER BY cells DESC",
-    ),
-    (
-        "results",
-        "settings over their seeds",
-        "SELECT method, setting, COUNT(*) AS seeds, AVG(bake_seconds) AS bake_seconds, \
-         AVG(frame_seconds) AS frame_seconds, AVG(model_bytes) AS model_bytes, \
-         AVG(held_out_error) AS held_out_error, AVG(frame_error) AS frame_error, \
-         STDDEV(frame_error) AS deviation FROM results GROUP BY method, setting ORDER BY frame_error",
-    ),
+/// A kind of table, known by a column that no other has, and a question worth asking of it, where
+/// `self` stands for its name.
+struct Question {
+    column: &'static str,
+    title: &'static str,
+    query: &'static str,
+}
+
+const QUESTIONS: [Question; 6] = [
+    Question {
+        column: "y0_r",
+        title: "cells",
+        query: "SELECT COUNT(*) AS cells, SUM(n) AS rows, MIN(n) AS fewest, MAX(n) AS most \
+                FROM (SELECT cell_id, COUNT(*) AS n FROM self GROUP BY cell_id) AS c",
+    },
+    Question {
+        column: "y0_r",
+        title: "noise of a row, from its two halves, and mean of all rows [W/(sr m^2)]",
+        query: "SELECT SQRT(AVG((y0_r-y1_r)*(y0_r-y1_r) + (y0_g-y1_g)*(y0_g-y1_g) + \
+                (y0_b-y1_b)*(y0_b-y1_b)) / 12.0) AS standard_error, \
+                AVG(y0_r + y0_g + y0_b + y1_r + y1_g + y1_b) / 6.0 AS mean_radiance FROM self",
+    },
+    Question {
+        column: "stop_reason",
+        title: "whole",
+        query: "SELECT COUNT(*) AS cells, SUM(rows) AS rows, SUM(weights) AS weights, \
+                SUM(quarantined_rows) AS quarantined, \
+                SQRT(SUM(relative_square_error_validation * validation_rows) / \
+                SUM(validation_rows)) AS held_out_error, AVG(iterations) AS iterations FROM self",
+    },
+    Question {
+        column: "stop_reason",
+        title: "worst cells",
+        query: "SELECT cell_id, rows, relative_error_validation, relative_error_validation_se, \
+                relative_error_train, noise, weights, effective_parameters, stop_reason FROM self \
+                ORDER BY relative_error_validation DESC LIMIT 8",
+    },
+    Question {
+        column: "stop_reason",
+        title: "why fits stopped",
+        query: "SELECT stop_reason, COUNT(*) AS cells FROM self GROUP BY stop_reason \
+                ORDER BY cells DESC, stop_reason",
+    },
+    Question {
+        column: "frame_error",
+        title: "settings over their seeds",
+        query: "SELECT method, setting, COUNT(*) AS seeds, AVG(bake_seconds) AS bake_seconds, \
+                AVG(frame_seconds) AS frame_seconds, AVG(model_bytes) AS model_bytes, \
+                AVG(held_out_error) AS held_out_error, AVG(frame_error) AS frame_error, \
+                STDDEV(frame_error) AS deviation FROM self GROUP BY method, setting \
+                ORDER BY frame_error",
+    },
 ];
 
 /// Sizes on disk, then each table's columns and figures.
@@ -70,10 +79,12 @@ pub(super) fn sections(path: &Path, tables: &Tables) -> anyhow::Result<Vec<Secti
             title: format!("{name}: {} rows, {} columns", frame.height(), frame.width()),
             frame: columns(&frame)?,
         });
-        for (_, title, query) in QUERIES.iter().filter(|(table, _, _)| table == name) {
+        let here = |q: &&Question| frame.columns().iter().any(|c| c.name() == q.column);
+        let alone: Tables = vec![("self", frame.clone().lazy())];
+        for question in QUESTIONS.iter().filter(here) {
             sections.push(Section {
-                title: format!("{name}: {title}"),
-                frame: sql(tables, query)?,
+                title: format!("{name}: {}", question.title),
+                frame: sql(&alone, question.query)?,
             });
         }
     }

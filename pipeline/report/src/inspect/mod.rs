@@ -12,8 +12,26 @@ use polars::sql::SQLContext;
 /// Tables by their names in SQL.
 pub(crate) type Tables = Vec<(&'static str, LazyFrame)>;
 
-/// Answers the query, or shows every table.
+/// Answers the query, or shows every table. Files are not trusted: a decoder that gives up on
+/// one by a panic makes it bad input like any other.
 pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<()> {
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let done = std::panic::catch_unwind(|| answer(args));
+    std::panic::set_hook(report);
+    done.unwrap_or_else(|panic| {
+        let said = (panic.downcast_ref::<String>().map(String::as_str))
+            .or_else(|| panic.downcast_ref::<&str>().copied());
+        Err(BadInput(format!(
+            "{}: cannot be read: {}; make it again",
+            args.path.display(),
+            said.unwrap_or("a decoder gave up")
+        ))
+        .into())
+    })
+}
+
+fn answer(args: &InspectArgs) -> anyhow::Result<()> {
     let tables = open::open(&args.path)?;
     if let Some(query) = &args.sql {
         let frame = sql(&tables, query)?;

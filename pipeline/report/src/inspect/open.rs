@@ -26,10 +26,13 @@ pub(super) fn open(path: &Path) -> anyhow::Result<Tables> {
     if has_parquet(&samples) {
         tables.push(("samples", parquet(&samples)?));
     }
-    for name in ["tree", "weights", "metrics"] {
-        let table = layout::model_folder(path).join(format!("{name}.arrow"));
-        if table.is_file() {
-            tables.push((name, file(&table)?));
+    // a run, or its folder `model` itself
+    for folder in [layout::model_folder(path), path.to_path_buf()] {
+        for name in ["tree", "weights", "metrics"] {
+            let table = folder.join(format!("{name}.arrow"));
+            if table.is_file() {
+                tables.push((name, file(&table)?));
+            }
         }
     }
     if tables.is_empty() && has_parquet(path) {
@@ -38,7 +41,7 @@ pub(super) fn open(path: &Path) -> anyhow::Result<Tables> {
     if tables.is_empty() {
         return Err(BadInput(format!(
             "{}: neither a run (samples/, model/), nor a sweep (results.parquet), nor a folder of \
-             Parquet files",
+             Parquet files: name one, or a Parquet or Arrow file",
             path.display()
         ))
         .into());
@@ -57,7 +60,7 @@ fn file(path: &Path) -> anyhow::Result<LazyFrame> {
         [b'P', b'A', b'R', b'1', ..] => parquet(path),
         b"ARROW1" => arrow(path),
         _ => Err(BadInput(format!(
-            "{}: neither a Parquet nor an Arrow file",
+            "{}: neither a Parquet nor an Arrow IPC file: name one, or a run's folder",
             path.display()
         ))
         .into()),

@@ -1,6 +1,6 @@
 //! One cell's fit on its own, before it becomes part of `model/`: a folder of two tables of one
-//! row each, `weights.arrow` and `metrics.arrow`. The weights come last: a fit that has them is
-//! whole.
+//! row each, `weights.arrow` and `metrics.arrow`, beside the fit's course, `steps.arrow`. The
+//! weights come last: a fit that has them is whole.
 
 use super::{CellMetrics, Domain, metrics, read, source, weights, write};
 use crate::error::StoreError;
@@ -95,7 +95,7 @@ fn weights_batch(folder: &Path, facts: &RunFacts) -> Result<RecordBatch, StoreEr
     read(&table_path(folder, Table::Weights), Table::Weights, facts)
 }
 
-fn table_path(folder: &Path, table: Table) -> PathBuf {
+pub(super) fn table_path(folder: &Path, table: Table) -> PathBuf {
     folder.join(format!("{}.arrow", table.name()))
 }
 

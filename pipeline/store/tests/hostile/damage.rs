@@ -7,10 +7,11 @@ use proptest::sample::{Index, select};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use rrf_store::StoreError;
 use rrf_store::guard::Limits;
-use rrf_store::layout::part_path;
+use rrf_store::layout::{fit_folder, part_path};
 use rrf_store::manifest::RunManifest;
 use rrf_store::model::{
-    read_metrics, read_tree, read_weights, write_metrics, write_tree, write_weights,
+    read_metrics, read_steps, read_tree, read_weights, write_metrics, write_steps, write_tree,
+    write_weights,
 };
 use rrf_store::parts::{read_part, write_part};
 use rrf_store::points::read_points;
@@ -35,6 +36,8 @@ fn kinds(run: &Path) -> Vec<Kind> {
     write_weights(run, &models, &facts).unwrap();
     let metrics = [0, 1, 2].map(made::metrics);
     write_metrics(run, &metrics, &facts).unwrap();
+    let fit = fit_folder(run, 0, 1);
+    write_steps(&fit, &made::steps(), &facts).unwrap();
     let kind = |name: &str, path: PathBuf, read: Box<dyn Fn() -> Result<bool, StoreError>>| Kind {
         name: name.into(),
         path,
@@ -42,7 +45,7 @@ fn kinds(run: &Path) -> Vec<Kind> {
         hashed: true,
     };
     let run = run.to_path_buf();
-    let [a, b, c, d] = [(); 4].map(|()| (run.clone(), facts.clone()));
+    let [a, b, c, d, e] = [(); 5].map(|()| (run.clone(), facts.clone()));
     let model = |name: &str| run.join(format!("model/{name}.arrow"));
     let mut kinds = vec![
         kind(
@@ -64,6 +67,11 @@ fn kinds(run: &Path) -> Vec<Kind> {
             "metrics",
             model("metrics"),
             Box::new(move || Ok(read_metrics(&d.0, &d.1)? == metrics)),
+        ),
+        kind(
+            "steps",
+            fit.join("steps.arrow"),
+            Box::new(move || Ok(read_steps(&fit, &e.1)? == Some(made::steps()))),
         ),
     ];
     for (name, bytes) in foreign::tables() {

@@ -5,7 +5,7 @@ use rrf_field::model::CellModel;
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
-use rrf_store::model::{CellMetrics, Domain, ModelTree, SquareError};
+use rrf_store::model::{CellMetrics, Domain, FitStep, ModelTree, SquareError};
 use rrf_store::samples::SampleTable;
 
 /// A number in [0, 1) from a counter (splitmix64).
@@ -136,4 +136,17 @@ pub fn metrics(cell_id: u32) -> CellMetrics {
         weights: cell_model(cell_id).weights.len() as u32,
         seed: facts().seed,
     }
+}
+
+/// A fit's course, with a batch that had no step.
+pub fn steps() -> Vec<FitStep> {
+    let step = |n: u32| FitStep {
+        step: n,
+        residuals: 3 * u64::from(n),
+        cost: (n != 2).then(|| 1.0 / f64::from(n)),
+        square_error: (n != 3).then(|| 0.01 - 0.004 * f64::from(n)),
+        damping: 10f64.powi(-(n as i32)),
+        gain: (n != 2).then_some(0.75),
+    };
+    (1..=4).map(step).collect()
 }

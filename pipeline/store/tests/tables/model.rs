@@ -3,10 +3,11 @@
 use crate::made;
 use rrf_field::model::CellModel;
 use rrf_store::StoreError;
+use rrf_store::layout::fit_folder;
 use rrf_store::manifest::RunFacts;
 use rrf_store::model::{
-    ModelTree, SquareError, read_metrics, read_model, read_tree, read_weights, write_metrics,
-    write_tree, write_weights,
+    ModelTree, SquareError, read_metrics, read_model, read_steps, read_tree, read_weights,
+    write_metrics, write_steps, write_tree, write_weights,
 };
 
 /// What the message must say, and the damage.
@@ -153,4 +154,19 @@ fn relative_error_from_its_square() {
     }
     .relative();
     assert!(error == 0.0 && (se - 0.2).abs() < 1e-15);
+}
+
+#[test]
+fn steps_are_read_back() {
+    let run = tempfile::tempdir().unwrap();
+    let fit = fit_folder(run.path(), 0, 1);
+    assert_eq!(read_steps(&fit, &made::facts()).unwrap(), None);
+    for steps in [made::steps(), Vec::new()] {
+        write_steps(&fit, &steps, &made::facts()).unwrap();
+        assert_eq!(read_steps(&fit, &made::facts()).unwrap(), Some(steps));
+    }
+    let mut other = made::facts();
+    other.seed ^= 1;
+    let refused = read_steps(&fit, &other).unwrap_err();
+    assert!(refused.is_bad_input(), "{refused}");
 }

@@ -1,10 +1,10 @@
 //! The contract itself.
 
 use rrf_field::columns::{COUNT, GEOMETRY, NAMES};
-use rrf_store::schema::{TABLES, Table, table};
+use rrf_store::schema::{Column, TABLES, Table, table};
 
 /// Version of each table and what its columns hashed to when it was given that version.
-const PINNED: [(Table, u32, &str); 9] = [
+const PINNED: [(Table, u32, &str); 10] = [
     (Table::Samples, 1, "1ef54b601e453216"),
     (Table::Tree, 1, "f207d34842db00d3"),
     (Table::Weights, 2, "b8e8d442a6ab4c1e"),
@@ -13,7 +13,8 @@ const PINNED: [(Table, u32, &str); 9] = [
     (Table::Truth, 1, "57d96e5160c35bbc"),
     (Table::Answers, 1, "9d8867ae3a9e58f3"),
     (Table::Tasks, 1, "c460b776afe5bca4"),
-    (Table::Results, 1, "8861c3426d1383df"),
+    (Table::Results, 2, "2f45c5be5c2d66bb"),
+    (Table::Steps, 1, "8955d1acd068e87a"),
 ];
 
 /// Names, types, units and frames are what files promise: whoever changes one gives the table
@@ -24,14 +25,7 @@ fn columns_change_with_the_version_only() {
         .iter()
         .filter_map(|&(name, version, pinned)| {
             let schema = table(name).unwrap();
-            let mut hash = blake3::Hasher::new();
-            for c in &schema.columns {
-                let nullable = if c.nullable { "null" } else { "" };
-                for text in [&c.name, &c.type_name, &c.unit, &c.frame, nullable] {
-                    hash.update(text.as_bytes()).update(b"\n");
-                }
-            }
-            let found = hash.finalize().to_hex()[..16].to_string();
+            let found = pin(&schema.columns);
             ((schema.version, found.as_str()) != (version, pinned))
                 .then(|| format!("(Table::{name:?}, {}, {found:?})", schema.version))
         })
@@ -40,6 +34,33 @@ fn columns_change_with_the_version_only() {
         changed.is_empty(),
         "raise the version in schemas/, then pin: {changed:#?}"
     );
+}
+
+/// Sixteen digits of a hash of every column's name, type, unit, frame and nullability.
+fn pin(columns: &[Column]) -> String {
+    let mut hash = blake3::Hasher::new();
+    for c in columns {
+        let nullable = if c.nullable { "null" } else { "" };
+        for text in [&c.name, &c.type_name, &c.unit, &c.frame, nullable] {
+            hash.update(text.as_bytes()).update(b"\n");
+        }
+    }
+    hash.finalize().to_hex()[..16].to_string()
+}
+
+/// The pin sees the unit of every column of every table: one that is changed alone changes it.
+#[test]
+fn a_changed_unit_is_seen() {
+    for (name, _, pinned) in PINNED {
+        let columns = &table(name).unwrap().columns;
+        assert!(!columns.is_empty(), "{name:?}");
+        for place in 0..columns.len() {
+            let mut changed = columns.clone();
+            changed[place].unit += "/s";
+            let column = &columns[place].name;
+            assert_ne!(pin(&changed), pinned, "{name:?}: {column}");
+        }
+    }
 }
 
 #[test]

@@ -1,0 +1,62 @@
+//! `rounds/RRR/seconds.json`: the wall time of a round's stages, for people. It is the one file
+//! in which two runs of one seed differ, and nothing that a bake decides depends on it.
+
+use crate::error::BakeError;
+use crate::run::{Run, read_json, write_json};
+use crate::task::Stage;
+use rrf_store::layout::round_folder;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Wall time of a round's stages on one machine [s]. Stages that were cut off and went on add up;
+/// the time of a process that was killed is in none, nor is that of tasks that others did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Seconds {
+    /// Sampling.
+    pub extract: f64,
+    /// Fitting.
+    pub train: f64,
+    /// Making the model of the fits, judging it and planning the round after.
+    pub judge: f64,
+}
+
+impl Seconds {
+    /// All stages together.
+    pub fn total(&self) -> f64 {
+        self.extract + self.train + self.judge
+    }
+}
+
+/// What a round took, or none where nobody wrote it down.
+///
+/// # Errors
+/// [`BakeError::Store`].
+pub fn read_seconds(run: &Run, round: u32) -> Result<Option<Seconds>, BakeError> {
+    read_json(&path(run, round))
+}
+
+/// The place of a stage's time.
+pub(crate) fn of(stage: Stage) -> fn(&mut Seconds) -> &mut f64 {
+    match stage {
+        Stage::Extract => |s| &mut s.extract,
+        Stage::Train => |s| &mut s.train,
+    }
+}
+
+/// Adds the time since `start` to one of a round's stages.
+pub(crate) fn add(
+    run: &Run,
+    round: u32,
+    stage: fn(&mut Seconds) -> &mut f64,
+    start: Instant,
+) -> Result<(), BakeError> {
+    let mut seconds = read_seconds(run, round)?.unwrap_or_default();
+    *stage(&mut seconds) += start.elapsed().as_secs_f64();
+    write_json(&path(run, round), &seconds)
+}
+
+/// Where the file lies.
+pub(crate) fn path(run: &Run, round: u32) -> PathBuf {
+    round_folder(&run.folder, round).join("seconds.json")
+}
