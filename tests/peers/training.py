@@ -290,6 +290,7 @@ PROGRAMS = {
     "ours": ours,
     "accelerated": lambda task: ours(task, "accelerate"),
     "warm": lambda task: ours(task, "accelerate", "warm"),
+    "warm, f32 products": lambda task: ours(task, "accelerate", "warm", "single"),
     "numpy LM": numpy_lm,
     "scipy lm": scipy_lm,
     "jax Adam": jax_adam,

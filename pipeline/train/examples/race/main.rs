@@ -1,20 +1,21 @@
 //! Our side of `tests/peers/training.py`: a net fitted to a problem that others fit too.
 //!
 //! ```text
-//! cargo run --release -p rrf-train --example race -- PROBLEM STEPS [accelerate] [warm]
+//! cargo run --release -p rrf-train --example race -- PROBLEM STEPS [accelerate] [warm] [single]
 //! ```
 //!
 //! PROBLEM: little-endian, four i64 (rows trained on, rows kept back, inputs, weights), then f64:
 //! x `[rows, inputs]`, targets `[rows, 3]`, weights of the residuals `[rows, 3]`, first weights.
-//! `warm` takes the first steps on a quarter of the rows, as whole fits do. Prints a line a step: CPU seconds so far, Σ (s (net − y))² over the rows trained on, the same
-//! over the rows kept back. The time for the last is not counted.
+//! `warm` takes the first steps on a quarter of the rows, as whole fits do; `single` multiplies JᵀJ from
+//! f32 numbers, as bakes do. Prints a line a step: CPU seconds so far, Σ (s (net − y))² over the rows
+//! trained on, the same over the rows kept back. The time for the last is not counted.
 
 use rrf_field::net::Shape;
-use rrf_train::LmConfig;
 use rrf_train::lm::{Levenberg, Problem};
 use rrf_train::problem::{Loss, NetProblem};
 use rrf_train::simd::TILE;
 use rrf_train::tile::{Batch, Rows};
+use rrf_train::{LmConfig, Precision};
 use std::error::Error;
 
 /// A stretch of the problem's rows.
@@ -51,7 +52,7 @@ impl Rows for Part<'_> {
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [path, steps, modes @ ..] = args.as_slice() else {
-        return Err("usage: race PROBLEM STEPS [accelerate] [warm]".into());
+        return Err("usage: race PROBLEM STEPS [accelerate] [warm] [single]".into());
     };
     let mut config = LmConfig::default();
     if modes.iter().any(|mode| mode == "accelerate") {
@@ -82,7 +83,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         s: &s[from * 3..to * 3],
     };
     let warm = modes.iter().any(|mode| mode == "warm");
-    let mut fit = Fit::new(part(train, rows), w.to_vec(), config);
+    let precision = if modes.iter().any(|mode| mode == "single") {
+        Precision::Single
+    } else {
+        Precision::Double
+    };
+    let mut fit = Fit::new(part(train, rows), w.to_vec(), config, precision);
     let steps: usize = steps.parse()?;
     let first = if warm { WARM.min(steps) } else { 0 };
     fit.run(part(0, train.div_ceil(4)), first, part(0, train));
@@ -99,13 +105,14 @@ struct Fit<'a> {
     kept: Part<'a>,
     w: Vec<f64>,
     lm: Levenberg,
+    precision: Precision,
     /// Rows of the last leg; the damping is in their proportion.
     rows: usize,
     seconds: f64,
 }
 
 impl<'a> Fit<'a> {
-    fn new(kept: Part<'a>, w: Vec<f64>, config: LmConfig) -> Fit<'a> {
+    fn new(kept: Part<'a>, w: Vec<f64>, config: LmConfig, precision: Precision) -> Fit<'a> {
         let shape = Shape {
             sizes: vec![kept.inputs, 20, 10, 3],
         };
@@ -115,6 +122,7 @@ impl<'a> Fit<'a> {
             kept,
             w,
             lm,
+            precision,
             rows: 0,
             seconds: 0.0,
         }
@@ -150,7 +158,7 @@ impl<'a> Fit<'a> {
     }
 
     fn problem(&self, part: Part<'a>) -> NetProblem<Part<'a>> {
-        NetProblem::new(&self.shape, part, 3 * part.len(), Loss::Absolute)
+        NetProblem::new(&self.shape, part, 3 * part.len(), Loss::Absolute).precision(self.precision)
     }
 }
 
