@@ -15,6 +15,8 @@ const TAKEN_ROW: f64 = 2e-6;
 const STEP: f64 = 1.2e-11;
 /// Weights of a net that is not known yet.
 const SOME_WEIGHTS: u64 = 500;
+/// Inputs that vary in a cell, at the most: the normal or the material does not.
+const VARYING_INPUTS: usize = 16;
 /// Bytes of a row as it is drawn, traced and written.
 const DRAWN_ROW: u64 = 600;
 /// Bytes of a row as it is read and trained on.
@@ -45,7 +47,7 @@ pub(crate) fn extract_memory(draw: &DrawPlan) -> u64 {
 
 /// Seconds of one core.
 pub(crate) fn train_seconds(rows: u64, size: &Size, config: &TrainConfig) -> f64 {
-    let inputs = config.inputs.len();
+    let inputs = config.inputs.len().min(VARYING_INPUTS);
     let weights = match size {
         Size::Hidden(hidden) => weights(inputs, hidden),
         // the ladder is climbed until the target is reached: the middle

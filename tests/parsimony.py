@@ -1,0 +1,81 @@
+"""Whether a bake has more model than its target asks for:
+python3 tests/parsimony.py [SCENE ...] [--rrf F] [--work DIR]
+
+Bakes a scene to its target (seed 1, --preset standard), then does without one part at a time, in as many
+rounds: without the last round's splits, with smaller layers, without a group of inputs. A part earns
+its keep where the error without it, less its standard error, is above the target. Prints a table.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from accuracy import SCENES
+
+HERE = Path(__file__).resolve().parent
+PLACE, NORMAL, VIEWER = ["px", "py", "pz"], ["nx", "ny", "nz"], ["vx", "vy", "vz"]
+LIGHT, TOWARD, DISTANCE = ["lx", "ly", "lz"], ["dx", "dy", "dz"], ["inv_distance"]
+ALL = PLACE + NORMAL + VIEWER + LIGHT + TOWARD + DISTANCE
+
+
+def without(group):
+    return ["--inputs", ",".join(name for name in ALL if name not in group)]
+
+
+PARTS = {
+    "layers of 12 and 8 units": ["--hidden", "12,8"],
+    "layers of 16 and 8 units": ["--hidden", "16,8"],
+    "no direction to the light": without(TOWARD),
+    "no distance to the light": without(DISTANCE),
+    "no normal": without(NORMAL),
+}
+
+
+def bake(args, name, scene, box, target, options):
+    """Error, standard error, cells and weights after each round."""
+    folder = args.work / name
+    if not (folder / "model" / "weights.arrow").exists():
+        command = [args.rrf, "bake", HERE.parent / scene, "-o", folder, f"--light-box={box}", "-q"]
+        command += ["--target", target, "--seed", 1, "--preset", "standard", *options]
+        done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+        if done.returncode:
+            sys.exit(done.stderr[-2000:])
+    rounds = sorted((folder / "rounds").glob("*/judged.json"))
+    found = [json.loads(path.read_text())["judgement"] for path in rounds]
+    weights = [sum(cell["weights"] for cell in judged["cells"]) for judged in found]
+    return [
+        (judged["relative_error"], judged["relative_error_se"], len(judged["cells"]), count)
+        for judged, count in zip(found, weights)
+    ]
+
+
+def row(what, found, target):
+    error, se, cells, weights = found
+    needed = "" if what == "the bake" else "yes" if error - se > target else "no"
+    print(f"| {what} | {error:.2%} ± {se:.2%} | {cells} | {weights:,} | {needed} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("scenes", nargs="*", default=["overhead"])
+    parser.add_argument("--rrf", default=HERE.parent / "target" / "release" / "rrf")
+    parser.add_argument("--work", type=Path, default=HERE.parent / "target" / "parsimony")
+    args = parser.parse_args()
+    for scene in args.scenes:
+        file, box, target = SCENES[scene][:3]
+        whole = bake(args, scene, file, box, target, [])
+        print(f"{scene}, target {target:.0%}, {len(whole)} rounds\n")
+        print("| | held-out error | cells | weights | needed |\n|---|---|---|---|---|")
+        row("the bake", whole[-1], target)
+        if len(whole) > 1:
+            row("without the last round", whole[-2], target)
+        for what, options in PARTS.items():
+            name = scene + "-" + what.replace(" ", "-")
+            fewer = bake(args, name, file, box, target, ["--rounds", len(whole), *options])
+            row(what, fewer[-1], target)
+
+
+if __name__ == "__main__":
+    main()
