@@ -169,16 +169,16 @@ impl Accumulator {
             for (j, sums) in sums.chunks_exact_mut(width).enumerate() {
                 // Σ_c r_c g_cj
                 let mut u: Lane = [0.0; TILE];
-                if l == top {
-                    for i in 0..TILE {
-                        u[i] = tile.r[j][i] * tile.s[j][i];
+                let mut add = |r: &Lane, g: &Lane| {
+                    for ((u, r), g) in u.iter_mut().zip(r).zip(g) {
+                        *u += r * g;
                     }
+                };
+                if l == top {
+                    add(&tile.r[j], &tile.s[j]);
                 } else {
                     for (c, r) in tile.r.iter().enumerate() {
-                        let g = &tile.g[l][c * units + j];
-                        for i in 0..TILE {
-                            u[i] += r[i] * g[i];
-                        }
+                        add(r, &tile.g[l][c * units + j]);
                     }
                 }
                 sums[0] += dot(&u, &[1.0; TILE]);
