@@ -27,6 +27,7 @@ fn one_thread_and_two() {
             "rounds/000/judged.json",
             "rounds/000/plan.json",
             "rounds/000/tasks.parquet",
+            "rounds/000/tasks/00000.json",
             "run.json",
             "samples/cell=000000/part-00000.parquet",
             "samples/cell=000001/part-00000.parquet",

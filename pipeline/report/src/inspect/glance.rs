@@ -37,8 +37,8 @@ const QUESTIONS: [Question; 6] = [
         title: "whole",
         query: "SELECT COUNT(*) AS cells, SUM(rows) AS rows, SUM(weights) AS weights, \
                 SUM(quarantined_rows) AS quarantined, \
-                SQRT(SUM(relative_square_error_validation * validation_rows) / \
-                SUM(validation_rows)) AS held_out_error, AVG(iterations) AS iterations FROM self",
+                SQRT(GREATEST(SUM(relative_square_error_validation * validation_rows) / \
+                SUM(validation_rows), 0.0)) AS held_out_error, AVG(iterations) AS iterations FROM self",
     },
     Question {
         column: "stop_reason",
