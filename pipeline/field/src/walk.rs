@@ -155,7 +155,7 @@ impl Groups {
             return;
         }
         self.words.resize(span, u64::MAX);
-        if let Some(last) = self.words.last_mut().filter(|_| rows % WORD != 0) {
+        if let Some(last) = self.words.last_mut().filter(|_| !rows.is_multiple_of(WORD)) {
             *last = (1 << (rows % WORD)) - 1;
         }
         // one more for the right child while the left one waits
