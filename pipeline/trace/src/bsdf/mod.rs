@@ -13,6 +13,7 @@ use glam::Vec3;
 use rrf_scene::{Material, MaterialKind};
 
 pub use lambert::{cosine_hemisphere, cosine_hemisphere_pdf};
+pub(crate) use principled::alpha;
 pub use principled::{visible_normal, visible_normal_pdf};
 
 /// Material parameters at one point.

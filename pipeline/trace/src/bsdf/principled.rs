@@ -140,7 +140,7 @@ impl Half {
 
 /// GGX alpha of a perceptual roughness.
 #[inline(always)]
-fn alpha(roughness: f32) -> f32 {
+pub(crate) fn alpha(roughness: f32) -> f32 {
     (roughness * roughness).max(ALPHA_MIN)
 }
 

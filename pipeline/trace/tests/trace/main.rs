@@ -7,6 +7,7 @@ mod estimators;
 mod furnace;
 mod hierarchy;
 mod lamps;
+mod mirrors;
 mod planes;
 mod reference;
 mod refusals;
