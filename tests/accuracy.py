@@ -32,13 +32,13 @@ OVERHEAD, FREE = "-0.6,1.3,-0.6,0.6,1.8,0.6", "-0.8,0.2,-0.8,0.8,1.8,0.8"
 # one of the level's rooms, some 8 x 4.4 x 6.4 m
 ZDM2, HALL = "scenes/zdm2/zdm2.glb", "17.5,-3,-19.3,24,0.5,-14"
 IN_HALL = [(17.5, 24.0), (-3.0, 0.5), (-19.3, -14.0)]
-# scene file, light box, target, limit of the colour differences, where eyes and what they look
+# scene file, light box, target and further options of the bake, limit of the colour differences, where eyes and what they look
 # at are, table of the other renderer
 SCENES = {
-    "overhead": (CORNELL, OVERHEAD, 0.05, 1.0, ROOM, MIDDLE, "cornell_overhead"),
-    "free": (CORNELL, FREE, 0.08, 1.0, ROOM, MIDDLE, "cornell_free"),
-    "glossy": (GLOSSY, OVERHEAD, 0.08, 1.5, ROOM, MIDDLE, "cornell_glossy"),
-    "zdm2": (ZDM2, HALL, 0.10, 2.0, IN_HALL, IN_HALL, None),
+    "overhead": (CORNELL, OVERHEAD, 0.05, [], 1.0, ROOM, MIDDLE, "cornell_overhead"),
+    "free": (CORNELL, FREE, 0.05, ["--rounds", 10], 1.0, ROOM, MIDDLE, "cornell_free"),
+    "glossy": (GLOSSY, OVERHEAD, 0.08, ["--time-limit", 345], 1.5, ROOM, MIDDLE, "cornell_glossy"),
+    "zdm2": (ZDM2, HALL, 0.10, ["--time-limit", 1180], 2.0, IN_HALL, IN_HALL, None),
 }
 FRAMES, SEED = 8, 20130701
 
@@ -111,7 +111,7 @@ def bytes_of(folder):
 
 
 def judge(name, args):
-    file, box, target, limit, eyes, targets, oracle = SCENES[name]
+    file, box, target, options, limit, eyes, targets, oracle = SCENES[name]
     scene, baked = HERE.parent / file, args.work / name
     args.work.mkdir(parents=True, exist_ok=True)
     corners = [float(x) for x in box.split(",")]
@@ -124,7 +124,7 @@ def judge(name, args):
     if not (baked / "model" / "weights.arrow").exists():
         start = time.time()
         command = [args.rrf, "bake", scene, "-o", baked, f"--light-box={box}", "--target", target]
-        print(run([*command, "--seed", 1, "--preset", "standard", "-q"]).strip())
+        print(run([*command, "--seed", 1, "--preset", "standard", "-q", *options]).strip())
         seconds = time.time() - start
     rounds = sorted((baked / "rounds").glob("*/judged.json"))
     judged = json.loads(rounds[-1].read_text())

@@ -39,6 +39,27 @@ fn one_thread_and_two() {
     }
 }
 
+/// So are rounds: cells that are split, and fits that go on from earlier ones.
+#[test]
+fn rounds_on_one_thread_and_two() {
+    let place = Place::new();
+    let bake = |name: &str, threads: &str| {
+        let (scene, run) = (cornell(), place.name(name));
+        let more = ["--rounds", "2", "--target", "0.001", "--most-cells", "4"];
+        let tiny = &TINY[..TINY.len() - 2];
+        let given = ["bake", &scene, "-o", &run, "--threads", threads];
+        done(&[&given[..], tiny, &more].concat());
+        bytes_below(&place.path(name))
+    };
+    let (one, two) = (bake("one", "1"), bake("two", "2"));
+    let plan = std::fs::read_to_string(place.path("one/rounds/001/plan.json")).unwrap();
+    assert!(plan.contains("\"earlier\": {") || plan.contains("\"earlier\":{"));
+    assert_eq!(one.len(), two.len());
+    for ((name, one), (_, two)) in one.iter().zip(&two) {
+        assert!(one == two, "{name}: one thread and two");
+    }
+}
+
 /// Another seed gives other samples: the test above compares something.
 #[test]
 fn another_seed() {

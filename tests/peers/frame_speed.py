@@ -5,7 +5,7 @@
 The error is that of `rrf compare` (relative_error, full light) from the run's own camera under one
 point light, at --size. Two references of --spp paths with seeds of their own take their noise out:
 with V the squared relative error of one reference, half of that between the two, the nets' squared
-error is their mean squared error against either less V. Frames of 16 and 64 paths tell how the
+error is their mean squared error against either less V. Frames of 16, 64 and 256 paths tell how the
 path tracer's squared error falls with its paths; where it meets the nets' is the equal count.
 
 Times are processor seconds at --time-size, because wall time is not one's own on a machine with
@@ -19,6 +19,7 @@ import pathlib
 import resource
 import statistics
 import subprocess
+import sys
 import tempfile
 
 
@@ -78,7 +79,9 @@ def main():
 
         nets = against_both(case.nets(options.size, 1)[0])
         print(f"references: {options.spp} paths, relative error {noise**0.5:.4f} each")
-        print(f"nets: relative error {max(nets, 0) ** 0.5:.4f}, the references' noise taken out")
+        if nets <= 0:
+            sys.exit("the nets' error is below the references' noise: give more --spp")
+        print(f"nets: relative error {nets**0.5:.4f}, the references' noise taken out")
 
         ours = case.nets(options.time_size, 60)[1]
         few, many = (
@@ -91,7 +94,7 @@ def main():
             square = against_both(case.trace(spp, options.size, 7)[0])
             paths = spp * square / nets
             print(
-                f"{spp} paths: relative error {square**0.5:.4f}; the nets' at {paths:.0f} paths, "
+                f"{spp} paths: relative error {max(square, 0) ** 0.5:.4f}; the nets' at {paths:.0f} paths, "
                 f"{paths * a_path:.1f} s of processor: {paths * a_path / ours:.0f} times"
             )
 

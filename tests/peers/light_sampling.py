@@ -9,7 +9,7 @@ light), whose truth are 4,096 rays chosen uniformly.
 
 Both estimators get the same number of shadow rays, in --seeds frames of seeds of their own. With
 E the squared relative error of `rrf compare` and t the processor time of `--json-stats`, the gain of
-a seed is E t of uniform over E t of adaptive; t is the median over the seeds. Printed is the
+a seed is E t of uniform over E t of adaptive, each with its own frame's t. Printed is the
 geometric mean over the seeds and its 95 % interval by Student's t of the logarithms.
 """
 
@@ -89,17 +89,17 @@ def main():
         ):
             truth, _ = frame(run, "truth", [*shining, *exact])
             for rays in (16, 64):
-                errors, times = {}, {}
+                costs, errors, times = {}, {}, {}
                 for way in ("uniform", "adaptive"):
                     more = [*shining, "--shadow-rays", str(rays), "--light-sampling", way]
                     frames = []
                     for seed in range(1, options.seeds + 1):
                         out, ms = frame(run, way, [*more, "--seed", str(seed)])
                         frames.append((square(out, truth), ms))
+                    costs[way] = [error * ms for error, ms in frames]
                     errors[way] = [error for error, _ in frames]
                     times[way] = statistics.median(ms for _, ms in frames)
-                pairs = zip(errors["uniform"], errors["adaptive"])
-                logs = [math.log(u * times["uniform"] / (a * times["adaptive"])) for u, a in pairs]
+                logs = [math.log(u / a) for u, a in zip(costs["uniform"], costs["adaptive"])]
                 spread = statistics.stdev(logs) / len(logs) ** 0.5 * STUDENT[len(logs) - 1]
                 low, gain, high = (
                     math.exp(statistics.mean(logs) + d) for d in (-spread, 0, spread)

@@ -7,10 +7,12 @@
 
 use crate::config::BakeConfig;
 use crate::error::BakeError;
+use crate::job::{Boxes, Shared};
 use crate::judge::{CellJudgement, Judgement};
-use crate::plan::{CellPlan, PartPlan, RoundPlan, draw_parts};
+use crate::plan::{CellPlan, Earlier, PartPlan, RoundPlan, draw_parts};
 use crate::remedy::{Action, Remedy, best_remedy};
 use crate::run::Run;
+use crate::task::cell_hashes;
 use rayon::prelude::*;
 use rrf_train::quadratic::Cut;
 use serde::{Deserialize, Serialize};
@@ -75,7 +77,13 @@ pub fn decide(run: &Run, plan: &RoundPlan, judgement: &Judgement) -> Result<Next
         round: plan.round + 1,
         ..plan.clone()
     };
-    remedies.iter().for_each(|remedy| apply(&mut next, remedy));
+    let (boxes, shared) = (Boxes::new(&plan.tree), Shared::of(plan));
+    for remedy in &remedies {
+        if let Some(cell) = plan.cells.get(remedy.cell as usize) {
+            let (_, fit) = cell_hashes(run, &shared, &boxes.of_cell(plan, cell)?)?;
+            apply(&mut next, remedy, fit);
+        }
+    }
     Ok(Next::Round(Box::new(next)))
 }
 
@@ -138,18 +146,18 @@ fn chosen(run: &Run, judgement: &Judgement, mut remedies: Vec<Remedy>) -> Vec<Re
     taken
 }
 
-/// Writes a remedy into the next round's plan.
-fn apply(next: &mut RoundPlan, remedy: &Remedy) {
+/// Writes a remedy into the next round's plan; `fit` is the hash of the cell's fit so far.
+fn apply(next: &mut RoundPlan, remedy: &Remedy, fit: String) {
     let Some(old) = next.cells.get(remedy.cell as usize).cloned() else {
         return;
     };
     match &remedy.action {
-        Action::Split { cut, left } => split(next, &old, remedy, cut, *left),
+        Action::Split { cut, left } => split(next, &old, remedy, cut, *left, fit),
         Action::More => {
             let leaf = next.tree.leaves()[old.cell as usize];
             let mut cell = CellPlan {
                 fitted: next.round,
-                earlier: Some([old.fitted, old.cell]),
+                earlier: Some(earlier(&old, fit)),
                 ..old
             };
             draw(next, &mut cell, leaf, remedy.rows, remedy.paths);
@@ -159,11 +167,20 @@ fn apply(next: &mut RoundPlan, remedy: &Remedy) {
             let cell = CellPlan {
                 size: size.clone(),
                 fitted: next.round,
-                earlier: Some([old.fitted, old.cell]),
+                earlier: Some(earlier(&old, fit)),
                 ..old
             };
             replace(next, cell);
         }
+    }
+}
+
+/// What goes on from a cell's fit.
+fn earlier(cell: &CellPlan, task: String) -> Earlier {
+    Earlier {
+        round: cell.fitted,
+        cell: cell.cell,
+        task,
     }
 }
 
@@ -173,7 +190,7 @@ fn replace(next: &mut RoundPlan, cell: CellPlan) {
 }
 
 /// Two cells in place of one; each gets the other's share of rows anew.
-fn split(next: &mut RoundPlan, old: &CellPlan, remedy: &Remedy, cut: &Cut, left: f64) {
+fn split(next: &mut RoundPlan, old: &CellPlan, remedy: &Remedy, cut: &Cut, left: f64, fit: String) {
     let new = next.cells.len() as u32;
     let leaf = next.tree.leaves()[old.cell as usize];
     let nodes = next.tree.split(leaf, cut.axis, cut.threshold, new);
@@ -185,7 +202,7 @@ fn split(next: &mut RoundPlan, old: &CellPlan, remedy: &Remedy, cut: &Cut, left:
             parts: taken(old, id),
             size: old.size.clone(),
             fitted: next.round,
-            earlier: Some([old.fitted, old.cell]),
+            earlier: Some(earlier(old, fit.clone())),
         };
         let rows = (f64::from(remedy.rows) * (1.0 - share)).round() as u32;
         draw(next, &mut cell, node, rows, remedy.paths);
@@ -299,17 +316,26 @@ mod tests {
                 },
                 6000,
             ),
+            "first".into(),
         );
         plan.check().unwrap();
         assert_eq!(expected_rows(&plan), [6000, 6000]);
         let measures: Vec<f64> = plan.cells.iter().map(|c| c.measure).collect();
         assert_eq!(measures, [0.3, 0.7]);
         assert_eq!(plan.cells[1].parts[0].from, Some([0, 0]));
+        let from = |cell: usize| plan.cells[cell].earlier.clone().unwrap();
+        assert_eq!(from(0), from(1));
+        assert_eq!((from(0).round, from(0).task.as_str()), (0, "first"));
         plan.round = 2;
-        apply(&mut plan, &remedy(Action::More, 6000));
+        apply(&mut plan, &remedy(Action::More, 6000), "second".into());
         plan.check().unwrap();
         assert_eq!(expected_rows(&plan), [12_000, 6000]);
         assert_eq!((plan.cells[0].fitted, plan.cells[1].fitted), (2, 1));
+        let from = plan.cells[0].earlier.clone().unwrap();
+        assert_eq!(
+            (from.round, from.cell, from.task.as_str()),
+            (1, 0, "second")
+        );
         let parts: Vec<u32> = plan.cells[0].parts.iter().map(|p| p.part).collect();
         assert_eq!(parts, [1, 2, 3], "numbers of parts are never used twice");
     }
@@ -319,7 +345,11 @@ mod tests {
         let mut plan = one_cell(256);
         plan.round = 1;
         let size = Size::Hidden(vec![32, 16]);
-        apply(&mut plan, &remedy(Action::Grow(size.clone()), 0));
+        apply(
+            &mut plan,
+            &remedy(Action::Grow(size.clone()), 0),
+            "first".into(),
+        );
         plan.check().unwrap();
         assert_eq!((plan.draws.len(), &plan.cells[0].size), (1, &size));
         assert_eq!(plan.cells[0].fitted, 1);

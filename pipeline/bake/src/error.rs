@@ -98,6 +98,14 @@ pub enum BakeError {
         /// The folder.
         path: PathBuf,
     },
+    /// What a fit goes on from is not there.
+    #[error("{path}: the fit from which cell {cell} goes on is missing, or is another one. Bring it back, or bake into a new folder", path = path.display())]
+    EarlierFit {
+        /// Where it should be.
+        path: PathBuf,
+        /// The cell that needs it.
+        cell: u32,
+    },
     /// The run has no samples yet.
     #[error("{path}: cell {cell} has no samples. Run `rrf extract` or `rrf bake --resume` first", path = path.display())]
     NotExtracted {

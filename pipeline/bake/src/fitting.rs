@@ -29,10 +29,15 @@ pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), Bak
         earlier: earlier.as_ref(),
         keeper: Some(&keeper),
     };
-    let (fit, seen) = match spills {
-        true => spilled(run, job, config, start)?,
-        false => held(run, job, config, start)?,
+    let fitted = match spills {
+        true => spilled(run, job, config, start),
+        false => held(run, job, config, start),
     };
+    if fitted.is_err() {
+        // what was kept after a read that failed is worth nothing
+        keeper.remove();
+    }
+    let (fit, seen) = fitted?;
     let steps: Vec<FitStep> = fit.report.history.iter().map(step).collect();
     let fit = Fit {
         domain: seen.domain,
@@ -59,13 +64,20 @@ fn step(row: &HistoryRow) -> FitStep {
     }
 }
 
-/// The net that a cell's fit goes on from.
+/// The net that a cell's fit goes on from: the very one that was planned.
 fn earlier(run: &Run, cell: &CellPlan) -> Result<Option<CellModel>, BakeError> {
-    let Some([round, from]) = cell.earlier else {
+    let Some(planned) = &cell.earlier else {
         return Ok(None);
     };
-    let folder = fit_folder(&run.folder, round, from);
-    Ok(Some(model::read_fit(&folder, &run.facts())?.model))
+    let folder = fit_folder(&run.folder, planned.round, planned.cell);
+    let facts = run.facts();
+    if model::fit_task(&folder, &facts)?.as_deref() != Some(planned.task.as_str()) {
+        return Err(BakeError::EarlierFit {
+            path: folder,
+            cell: cell.cell,
+        });
+    }
+    Ok(Some(model::read_fit(&folder, &facts)?.model))
 }
 
 fn held(

@@ -235,7 +235,9 @@ impl Job {
         let mut files = vec![format!("samples/cell={id:06}/")];
         match task.stage {
             Stage::Train => {
-                let fits = std::iter::once([task.round, id]).chain(self.of_cell.plan.earlier);
+                let earlier = self.of_cell.plan.earlier.as_ref();
+                let earlier = earlier.map(|fit| [fit.round, fit.cell]);
+                let fits = std::iter::once([task.round, id]).chain(earlier);
                 files.extend(
                     fits.map(|[round, cell]| format!("rounds/{round:03}/fits/cell={cell:06}/")),
                 );

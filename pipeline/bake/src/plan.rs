@@ -41,9 +41,20 @@ pub struct CellPlan {
     pub size: Size,
     /// Round in which it is fitted: this one, or an earlier one whose fit stays.
     pub fitted: u32,
-    /// Round and cell of the fit that this one goes on from.
+    /// The fit that this one goes on from.
     #[serde(default)]
-    pub earlier: Option<[u32; 2]>,
+    pub earlier: Option<Earlier>,
+}
+
+/// A fit of an earlier round.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Earlier {
+    /// Round that it was made in.
+    pub round: u32,
+    /// Its cell.
+    pub cell: u32,
+    /// Hash of what it was made from (see [`crate::task`]).
+    pub task: String,
 }
 
 /// A whole round.

@@ -123,7 +123,7 @@ pub fn perform_stage(
     });
     watch.end();
     let noted = seconds::add(run, plan.round, seconds::of(stage), start);
-    done.and(noted)
+    run.unless_gone(done.and(noted))
 }
 
 /// Commits a round whose tasks are done and writes down what comes next.

@@ -192,12 +192,17 @@ impl Run {
     /// The result of some work, unless the folder has gone meanwhile: what was written then went
     /// elsewhere, and what was not found says nothing.
     pub(crate) fn unless_gone<T>(&self, result: Result<T, BakeError>) -> Result<T, BakeError> {
-        match RunManifest::path(&self.folder).exists() {
+        match self.is_there() {
             true => result,
             false => Err(BakeError::Gone {
                 path: self.folder.clone(),
             }),
         }
+    }
+
+    /// Whether the folder still is the run's.
+    pub(crate) fn is_there(&self) -> bool {
+        RunManifest::path(&self.folder).exists()
     }
 
     /// Whether all tables of a model are there.

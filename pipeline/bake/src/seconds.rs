@@ -51,7 +51,11 @@ pub(crate) fn add(
     stage: fn(&mut Seconds) -> &mut f64,
     start: Instant,
 ) -> Result<(), BakeError> {
-    let mut seconds = read_seconds(run, round)?.unwrap_or_default();
+    if !run.is_there() {
+        return Ok(());
+    }
+    // for people: what cannot be read begins anew
+    let mut seconds = read_seconds(run, round).ok().flatten().unwrap_or_default();
     *stage(&mut seconds) += start.elapsed().as_secs_f64();
     write_json(&path(run, round), &seconds)
 }

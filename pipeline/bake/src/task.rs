@@ -7,7 +7,7 @@
 use crate::cost;
 use crate::error::BakeError;
 use crate::job::{Boxes, CHAPTER, Chapter, Entry, OfCell, Shared};
-use crate::plan::{CellPlan, DrawPlan, PartPlan, RoundPlan};
+use crate::plan::{CellPlan, DrawPlan, Earlier, PartPlan, RoundPlan};
 use crate::run::Run;
 use rrf_store::layout::fit_folder;
 use rrf_store::task_table::TaskRow;
@@ -224,7 +224,7 @@ struct FitInput<'a> {
     version: &'static str,
     cell: u32,
     round: u32,
-    earlier: Option<[u32; 2]>,
+    earlier: Option<&'a Earlier>,
     parts: &'a [String],
     config: TrainConfig,
     lambert: &'a [bool],
@@ -240,7 +240,7 @@ fn fit_hash(
         version: VERSION,
         cell: cell.cell,
         round: cell.fitted,
-        earlier: cell.earlier,
+        earlier: cell.earlier.as_ref(),
         parts,
         config: fit_config(run, shared.mean_luminance, cell),
         lambert: &shared.lambert,

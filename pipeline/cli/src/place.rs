@@ -1,20 +1,22 @@
 //! Where a run lies: a folder, or an object store with a copy on this machine.
 
+use anyhow::Context;
 use rrf_remote::{Mirror, RemoteError, is_url};
 use std::path::{Path, PathBuf};
+use tempfile::TempDir;
 
 /// A run's folder on this machine.
 pub struct Place {
     folder: PathBuf,
     mirror: Option<Mirror>,
-    /// Whether the copy is of no use afterwards.
-    passing: bool,
+    /// A copy that is of no use afterwards, and goes.
+    _passing: Option<TempDir>,
 }
 
 impl Place {
     /// To bake in: all files. One process at a time works on a copy of this kind.
     pub fn whole(path: &Path) -> anyhow::Result<Place> {
-        let place = Place::open(path, "")?;
+        let place = Place::open(path, |folder| Ok((folder.to_path_buf(), None)))?;
         place.mirror.as_ref().map_or(Ok(()), Mirror::pull)?;
         Ok(place)
     }
@@ -31,25 +33,40 @@ impl Place {
         Place::passing(path, "task")
     }
 
+    /// In a new folder that no other process has, whatever machines share the copies.
     fn passing(path: &Path, purpose: &str) -> anyhow::Result<Place> {
-        let mut place = Place::open(path, &format!("-{purpose}-{}", std::process::id()))?;
-        place.passing = place.mirror.is_some();
-        Ok(place)
+        Place::open(path, |folder| {
+            let (parent, name) = (folder.parent(), folder.file_name());
+            let parent = parent.unwrap_or(folder);
+            let name = name.unwrap_or_default().to_string_lossy();
+            std::fs::create_dir_all(parent)
+                .with_context(|| format!("{}: cannot be created", parent.display()))?;
+            let own = tempfile::Builder::new()
+                .prefix(&format!("{name}-{purpose}-"))
+                .tempdir_in(parent)
+                .with_context(|| format!("{}: no folder can be made in it", parent.display()))?;
+            Ok((own.path().to_path_buf(), Some(own)))
+        })
     }
 
-    fn open(path: &Path, purpose: &str) -> anyhow::Result<Place> {
-        let mirror = match is_url(path) {
-            true => {
-                let address = path.to_string_lossy();
-                let copy = copies()?.join(name(&address) + purpose);
-                Some(Mirror::open(&address, &copy)?)
-            }
-            false => None,
-        };
+    /// `copy` makes the folder of a copy from the one that the address alone would have.
+    fn open(
+        path: &Path,
+        copy: impl Fn(&Path) -> anyhow::Result<(PathBuf, Option<TempDir>)>,
+    ) -> anyhow::Result<Place> {
+        if !is_url(path) {
+            return Ok(Place {
+                folder: path.into(),
+                mirror: None,
+                _passing: None,
+            });
+        }
+        let address = path.to_string_lossy();
+        let (folder, passing) = copy(&copies()?.join(name(&address)))?;
         Ok(Place {
-            folder: mirror.as_ref().map_or(path, Mirror::folder).into(),
-            mirror,
-            passing: false,
+            mirror: Some(Mirror::open(&address, &folder)?),
+            folder,
+            _passing: passing,
         })
     }
 
@@ -69,15 +86,6 @@ impl Place {
     /// The folder on this machine.
     pub fn folder(&self) -> &Path {
         &self.folder
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        if self.passing {
-            // what is left of a copy is in nobody's way
-            let _ = std::fs::remove_dir_all(&self.folder);
-        }
     }
 }
 

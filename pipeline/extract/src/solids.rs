@@ -47,34 +47,43 @@ pub fn shells(scene: &Scene) -> Vec<Shell> {
     let diagonal = (whole.high - whole.low).length();
     let shell = |f: &Facts| f.shell(&whole, SAME_BOUNDS * diagonal, count);
     let mut of: Vec<Shell> = facts.iter().map(shell).collect();
-    for (c, shell) in (0u32..).zip(&mut of) {
+    let mut triangles = vec![Vec::new(); count];
+    for (t, &c) in (0u32..).zip(&component) {
+        triangles[c as usize].push(t);
+    }
+    for (c, shell) in of.iter_mut().enumerate() {
         // seen from within, by whoever furnished it: a room
-        if *shell == Shell::Inward && furnished(scene, &component, c, &facts[c as usize]) {
+        if *shell == Shell::Inward && furnished(scene, &triangles, &facts, c) {
             *shell = Shell::Open;
         }
     }
     component.iter().map(|&c| of[c as usize]).collect()
 }
 
-/// Most triangles that are looked for within a component.
-const MOST_FURNITURE: usize = 256;
+/// Most triangles of a component that are looked at.
+const MOST_LOOKED_AT: usize = 256;
+/// How far its corners are drawn to its middle: a crate touches the floor that it stands on.
+const DRAWN_IN: f64 = 0.02;
 
-/// Whether any of the other components' triangles lies within the closed component `own`.
-fn furnished(scene: &Scene, component: &[u32], own: u32, facts: &Facts) -> bool {
-    let corners = |t: usize| scene.triangles[t].map(|v| scene.positions[v as usize].as_dvec3());
-    let of = |mine: bool| move |&t: &usize| (component[t] == own) == mine;
-    let shell: Vec<[DVec3; 3]> = (0..component.len()).filter(of(true)).map(corners).collect();
-    let (low, high) = (facts.low.as_dvec3(), facts.high.as_dvec3());
-    let middles = (0..component.len()).filter(of(false)).map(|t| {
-        let [a, b, c] = corners(t);
-        (a + b + c) / 3.0
+/// Whether another component lies whole within the closed component `own`: what only pokes into a
+/// solid, a knob or a leg, furnishes nothing.
+fn furnished(scene: &Scene, triangles: &[Vec<u32>], facts: &[Facts], own: usize) -> bool {
+    let corners = |&t: &u32| {
+        let ids = scene.triangles[t as usize];
+        ids.map(|v| scene.positions[v as usize].as_dvec3())
+    };
+    let shell: Vec<[DVec3; 3]> = triangles[own].iter().map(corners).collect();
+    let inside = |p: DVec3| shell.iter().map(|t| solid_angle(*t, p)).sum::<f64>().abs() > TAU;
+    let (room, all) = (&facts[own], facts.iter().enumerate());
+    let mut boxed = all.filter(|&(other, f)| {
+        other != own && (f.low.cmpge(room.low) & f.high.cmple(room.high)).all()
     });
-    let within: Vec<DVec3> = middles
-        .filter(|p| (p.cmpgt(low) & p.cmplt(high)).all())
-        .collect();
-    let step = within.len().div_ceil(MOST_FURNITURE).max(1);
-    let mut looked = within.iter().step_by(step);
-    looked.any(|&p| shell.iter().map(|t| solid_angle(*t, p)).sum::<f64>().abs() > TAU)
+    boxed.any(|(other, f)| {
+        let middle = (f.low.as_dvec3() + f.high.as_dvec3()) / 2.0;
+        let step = triangles[other].len().div_ceil(MOST_LOOKED_AT).max(1);
+        let looked = triangles[other].iter().step_by(step).flat_map(corners);
+        looked.map(|p| p.lerp(middle, DRAWN_IN)).all(inside)
+    })
 }
 
 /// Signed solid angle of a triangle seen from `p` (Van Oosterom and Strackee 1983). Those of a
@@ -291,5 +300,14 @@ mod tests {
             assert_eq!(of[24], Shell::Inward);
             assert_eq!(of[36], Shell::Outward);
         }
+    }
+
+    /// A knob that pokes into a solid with its faces the wrong way round does not make a room of it.
+    #[test]
+    fn a_knob_is_no_furniture() {
+        let solid = (DVec3::ZERO, DVec3::splat(2.0), true);
+        let knob = (DVec3::new(0.9, 0.9, 1.6), DVec3::new(1.1, 1.1, 2.2), false);
+        let far = (DVec3::splat(9.0), DVec3::splat(10.0), false);
+        assert_eq!(shells(&scene(&[solid, knob, far]))[0], Shell::Inward);
     }
 }

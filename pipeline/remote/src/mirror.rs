@@ -2,15 +2,17 @@
 
 use crate::error::RemoteError;
 use crate::remote::Remote;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 use std::time::SystemTime;
 
-/// Files that are replaced by later rounds; all others are written once.
-const CHANGING: [&str; 1] = ["model/"];
+/// What changes: the files of the model, which later rounds replace, and the times of a round,
+/// which its stages add to. All others are written once.
+const MODEL: &str = "model/";
+const SECONDS: &str = "/seconds.json";
 /// What a run's other files belong to.
 const MANIFEST: &str = "run.json";
 /// What marks a round as planned, trained or committed comes after what it speaks of.
@@ -115,9 +117,10 @@ impl Mirror {
             }
             same.insert(name.clone(), now);
         }
+        let here: BTreeSet<&String> = names.iter().collect();
         let gone: Vec<String> = same
             .keys()
-            .filter(|name| !names.contains(name))
+            .filter(|name| !here.contains(name))
             .cloned()
             .collect();
         for name in gone {
@@ -136,7 +139,7 @@ impl Mirror {
 }
 
 fn changes(name: &str) -> bool {
-    CHANGING.iter().any(|folder| name.starts_with(folder))
+    name.starts_with(MODEL) || name.ends_with(SECONDS)
 }
 
 fn order(name: &str) -> usize {

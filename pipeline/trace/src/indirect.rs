@@ -26,9 +26,10 @@ pub struct Queries<'a> {
 /// How a point light's paths are made. Both ways are unbiased.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Estimator {
-    /// Next-event estimation at every vertex, and connections to a point that the light's own
-    /// ray met, weighted by the balance heuristic (a bidirectional tracer with one light vertex;
-    /// Veach and Guibas 1995). Lights near surfaces do no harm.
+    /// Next-event estimation at every vertex, connections to a point that the light's own
+    /// ray met (a bidirectional tracer with one light vertex; Veach and Guibas 1995), and to points of
+    /// flat glossy surfaces that show it the light, weighted by the balance heuristic. Lights near
+    /// surfaces and caustics of flat surfaces do no harm.
     #[default]
     Connected,
     /// Next-event estimation alone, as most path tracers do it: 1 / distance^2 makes the

@@ -45,8 +45,8 @@ pub(super) fn training(run: &Run, metrics: &[CellMetrics]) -> Result<String, Cha
     let cost = curves("cost a residual on rows trained on", |s| s.cost)?;
     let note = html::escape(&format!(
         "A curve a cell, of the fit that is in the model; the {} worst in colour. Left: relative \
-         error on the rows that choose the weights, noise taken out; a gap is an estimate below \
-         zero. Right: mean weighted square residual, noise included: it cannot fall below the \
+         error on the rows that choose the weights, noise taken out; estimates below zero \
+         are left out. Right: mean weighted square residual, noise included: it cannot fall below the \
          noise of the rows.",
         NAMED.min(fits.len())
     ));

@@ -23,7 +23,8 @@ pub(crate) fn run(args: &InspectArgs) -> anyhow::Result<()> {
         let said = (panic.downcast_ref::<String>().map(String::as_str))
             .or_else(|| panic.downcast_ref::<&str>().copied());
         Err(BadInput(format!(
-            "{}: cannot be read: {}; make it again",
+            "{}: polars gave up: {}. The file is damaged (make it again), or polars cannot do what \
+             was asked of it",
             args.path.display(),
             said.unwrap_or("a decoder gave up")
         ))

@@ -30,6 +30,11 @@ pub(super) struct Image {
 }
 
 impl Mirror {
+    /// Signed height over the plane.
+    pub(super) fn height(&self, x: Vec3) -> f32 {
+        self.normal.dot(x) - self.offset
+    }
+
     pub(super) fn coordinates(&self, y: Vec3) -> Vec2 {
         Vec2::new(self.axes[0].dot(y), self.axes[1].dot(y))
     }
@@ -40,10 +45,7 @@ impl Mirror {
 
     /// The image of `l` as `x` sees it, both on one side of the plane.
     pub(super) fn image(&self, x: Vec3, l: Vec3) -> Image {
-        let (a, b) = (
-            self.normal.dot(x) - self.offset,
-            self.normal.dot(l) - self.offset,
-        );
+        let (a, b) = (self.height(x), self.height(l));
         let (from, to) = (self.coordinates(x), self.coordinates(l));
         let (apart, height) = (to - from, a + b);
         let distance2 = apart.length_squared() + height * height;

@@ -90,10 +90,13 @@ impl Mirrors {
         }
     }
 
-    /// The same where the share of this mirror is known.
+    /// The same where the share of this mirror is known. Rays from x go on from the plane to where
+    /// the surface is, a rounding away: a cone's area there is that in the plane over t².
     pub(crate) fn density_in(&self, mirror: u8, share: f32, x: Vec3, l: Vec3, y: Vec3) -> f32 {
         self.mirrors.get(usize::from(mirror)).map_or(0.0, |own| {
-            share * own.image(x, l).density(own.alpha, own.coordinates(y))
+            let t = own.height(x) / (own.height(x) - own.height(y));
+            let in_plane = own.coordinates(x + (y - x) * t);
+            share * own.image(x, l).density(own.alpha, in_plane) * t * t
         })
     }
 }

@@ -101,6 +101,24 @@ fn points_have_their_density() {
     assert!(chi2 < 92.9, "{chi2}");
 }
 
+/// A ray that goes on to a surface off the plane takes its solid angle with it.
+#[test]
+fn densities_follow_their_rays() {
+    let mirrors = Mirrors {
+        frames: Frames::new(&[mirror()]),
+        mirrors: vec![mirror()],
+        of_triangle: vec![0],
+    };
+    let (x, l) = (Vec3::new(0.3, 1.5, -0.2), Vec3::new(-0.5, 0.9, 0.4));
+    let y = mirrors.propose(x, l, [0.5, 0.4, 0.7]).unwrap().position;
+    let solid_angle = |y: Vec3| mirrors.density(0, x, l, y) * (y - x).length_squared();
+    for t in [0.9, 0.999, 1.1] {
+        let off = x + (y - x) * t;
+        let error = solid_angle(off) / solid_angle(y) - 1.0;
+        assert!(error.abs() < 1e-4, "{t}: {error}");
+    }
+}
+
 /// In the glossy room the metals are mirrors, a plane each; the floor's lobe (0.04 / (4 π 0.25⁴) a
 /// steradian) is too weak, and so are all the others. Its file has f32 corner normals that are the
 /// planes' to rounding.
