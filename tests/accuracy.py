@@ -32,8 +32,8 @@ OVERHEAD, FREE = "-0.6,1.3,-0.6,0.6,1.8,0.6", "-0.8,0.2,-0.8,0.8,1.8,0.8"
 # one of the level's rooms, some 8 x 4.4 x 6.4 m
 ZDM2, HALL = "scenes/zdm2/zdm2.glb", "17.5,-3,-19.3,24,0.5,-14"
 IN_HALL = [(17.5, 24.0), (-3.0, 0.5), (-19.3, -14.0)]
-# scene file, light box, target and further options of the bake, limit of the colour differences, where eyes and what they look
-# at are, table of the other renderer
+# scene file, light box, target and further options of the bake, limit of the colour differences,
+# where eyes and what they look at are, table of the other renderer
 SCENES = {
     "overhead": (CORNELL, OVERHEAD, 0.05, [], 1.0, ROOM, MIDDLE, "cornell_overhead"),
     "free": (CORNELL, FREE, 0.05, ["--rounds", 10], 1.0, ROOM, MIDDLE, "cornell_free"),

@@ -5,10 +5,12 @@
 //! findings, so the hook that libFuzzer's crate aborts from is taken out; a panic that leaves a
 //! reader still ends the process.
 
-use rrf_bake::Run;
+use rrf_bake::{Job, Run};
 use rrf_scene::LoadOptions;
 use rrf_store::guard::Limits;
-use rrf_store::layout::{cell_folder, fit_folder, model_folder, part_path, round_folder};
+use rrf_store::layout::{
+    cell_folder, chapter_path, fit_folder, model_folder, part_path, round_folder,
+};
 use rrf_store::manifest::{RunFacts, RunManifest};
 use rrf_store::{model, parts, points, task_table};
 use std::path::{Path, PathBuf};
@@ -47,16 +49,19 @@ pub fn arrow(bytes: &[u8]) {
         Some((b'1', rest)) => weights(rest),
         Some((b'2', rest)) => metrics(rest),
         Some((b'3', rest)) => points("points.arrow", rest),
+        Some((b'4', rest)) => steps(rest),
         _ => (),
     }
 }
 
-/// What is small and text: OBJ, manifest, plan.
+/// What is small and text: OBJ, manifest, plan, judgement, tasks with what they need.
 pub fn small(bytes: &[u8]) {
     match bytes.split_first() {
         Some((b'0', rest)) => scene("scene.obj", rest),
         Some((b'1', rest)) => run_json(rest),
         Some((b'2', rest)) => plan_json(rest),
+        Some((b'3', rest)) => judged_json(rest),
+        Some((b'4', rest)) => chapter_json(rest),
         _ => (),
     }
 }
@@ -93,6 +98,13 @@ fn metrics(bytes: &[u8]) {
     drop(model::read_metrics(folder(), facts()));
 }
 
+/// The steps of a cell's fit.
+fn steps(bytes: &[u8]) {
+    let fit = fit_folder(folder(), 0, 0);
+    write(&fit.join("steps.arrow"), bytes);
+    let _ = model::read_steps(&fit, facts());
+}
+
 fn points(name: &str, bytes: &[u8]) {
     let path = write(&folder().join(name), bytes);
     let _ = points::read_points(&path, Limits::default());
@@ -111,15 +123,36 @@ fn run_json(bytes: &[u8]) {
     let _ = Run::open(&run);
 }
 
-/// A round's plan, its tasks and their hashes.
-fn plan_json(bytes: &[u8]) {
+/// A run whose rounds are forged.
+fn planned() -> &'static Run {
     static RUN_OPEN: OnceLock<Option<Run>> = OnceLock::new();
     let run = RUN_OPEN.get_or_init(|| {
         let path = folder().join("planned");
         write(&RunManifest::path(&path), run_seed());
         Run::open(&path).ok()
     });
-    let run = run.as_ref().expect("the seed run opens");
+    run.as_ref().expect("the seed run opens")
+}
+
+/// How a round was judged.
+fn judged_json(bytes: &[u8]) {
+    let run = planned();
+    write(&round_folder(&run.folder, 0).join("judged.json"), bytes);
+    let _ = run.read_judged(0);
+}
+
+/// Tasks as a worker reads them, with the check of their hashes.
+fn chapter_json(bytes: &[u8]) {
+    let run = planned();
+    write(&chapter_path(&run.folder, 0, 0), bytes);
+    for task in 0..4 {
+        let _ = Job::read(run, 0, task);
+    }
+}
+
+/// A round's plan, its tasks and their hashes.
+fn plan_json(bytes: &[u8]) {
+    let run = planned();
     write(&round_folder(&run.folder, 0).join("plan.json"), bytes);
     if let Ok(Some(plan)) = run.read_plan(0) {
         let _ = rrf_bake::tasks(run, &plan);
@@ -162,7 +195,7 @@ fn folder() -> &'static Path {
             model_folder(&folder),
             fit_folder(&folder, 0, 0),
             folder.join("run"),
-            round_folder(&folder.join("planned"), 0),
+            round_folder(&folder.join("planned"), 0).join("tasks"),
         ];
         for path in inner {
             std::fs::create_dir_all(path).expect("a scratch folder");

@@ -77,8 +77,24 @@ fn wrong_calls() {
         &["--index", "SLURM_ARRAY_TASK_ID"],
     );
     refused(&["plan", &scene], &["not a run folder"]);
-    std::fs::write(place.path("run/rounds/000/tasks/00000.json"), "nothing").unwrap();
-    refused(&["task", "--plan", &plan, "--index", "0"], &["00000.json"]);
+    let chapter = place.path("run/rounds/000/tasks/00000.json");
+    let whole = std::fs::read_to_string(&chapter).unwrap();
+    let first = ["task", "--plan", &plan, "--index", "0"];
+    let change = |from: &str, to: &str| {
+        assert!(whole.contains(from), "{from} is not in {whole}");
+        std::fs::write(&chapter, whole.replacen(from, to, 1)).unwrap();
+    };
+    std::fs::write(&chapter, "nothing").unwrap();
+    refused(&first, &["00000.json"]);
+    std::fs::remove_file(&chapter).unwrap();
+    refused(&first, &["task 0", "missing", "rrf plan"]);
+    // another run's, other rows than were planned, and one that begins elsewhere
+    change("\"seed\":1", "\"seed\":2");
+    refused(&first, &["task 0", "not one of this run", "rrf plan"]);
+    change("\"paths\":", "\"paths\":1");
+    refused(&first, &["task 0", "not one of this run", "rrf plan"]);
+    change("\"first\":0", "\"first\":1");
+    refused(&first, &["task 0", "does not have it", "rrf plan"]);
     done(&["plan", &run]);
-    done(&["task", "--plan", &plan, "--index", "0"]);
+    done(&first);
 }

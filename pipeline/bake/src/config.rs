@@ -43,8 +43,8 @@ impl BakeConfig {
     pub fn preset(preset: Preset, light_box: LightBox, seed: u64) -> BakeConfig {
         let (cells, rows, paths, rounds, most_cells) = match preset {
             Preset::Preview => (16, 40_000, 64, 1, 16),
-            Preset::Standard => (8, 50_000, 128, 24, 1000),
-            Preset::Fine => (32, 300_000, 128, 32, 4096),
+            Preset::Standard => (8, 50_000, 128, 32, 1000),
+            Preset::Fine => (32, 300_000, 128, 48, 4096),
         };
         BakeConfig {
             preset,

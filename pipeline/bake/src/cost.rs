@@ -5,14 +5,24 @@
 //! machines differ by a factor that is the same for all tasks of a stage.
 
 use crate::plan::{DrawPlan, MOST_ROWS, PartPlan};
+use rrf_trace::Tracer;
 use rrf_train::{LADDER, Size, TrainConfig, spill};
 
-/// Seconds a path of extraction.
-const PATH: f64 = 0.6e-6;
+/// Seconds a path of extraction among [`FEW`] triangles, the power that they go with beyond these, and
+/// how much longer it takes to look at flat glossy surfaces as well.
+const PATH: f64 = 0.7e-6;
+const FEW: f64 = 32.0;
+const POWER: f64 = 0.185;
+const MIRRORS: f64 = 1.7;
+/// What a row's candidates cost, in paths.
+const CANDIDATES: f64 = 20.0;
 /// Seconds a row taken from another part.
 const TAKEN_ROW: f64 = 2e-6;
 /// Seconds a row, iteration and squared weight of a fit.
-const STEP: f64 = 1.2e-11;
+const STEP: f64 = 1.1e-11;
+/// Share of the iterations allowed that a fit takes, and one that goes on from an earlier net.
+const TAKEN: f64 = 0.6;
+const TAKEN_WARM: f64 = 0.3;
 /// Weights of a net that is not known yet.
 const SOME_WEIGHTS: u64 = 500;
 /// Inputs that vary in a cell, at the most: the normal or the material does not.
@@ -26,18 +36,24 @@ const READ_ROW: u64 = 300;
 /// Bytes that a task needs whatever its rows.
 const BASE: u64 = 24 << 20;
 
-/// Seconds of one core.
-pub(crate) fn extract_seconds(part: &PartPlan, draw: &DrawPlan) -> f64 {
-    let rows = f64::from(draw.rows);
+/// Seconds of one core that a path takes in a scene.
+pub(crate) fn path_seconds(tracer: &Tracer) -> f64 {
+    let triangles = tracer.scene().triangles.len() as f64;
+    let mirrors = if tracer.has_mirrors() { MIRRORS } else { 1.0 };
+    PATH * (triangles / FEW).max(1.0).powf(POWER) * mirrors
+}
+
+/// Seconds of one core; `path`: of [`path_seconds`].
+pub(crate) fn extract_seconds(part: &PartPlan, draw: &DrawPlan, path: f64) -> f64 {
     match part.from {
-        Some(_) => rows * TAKEN_ROW,
-        None => draw_seconds(draw.rows, draw.paths),
+        Some(_) => f64::from(draw.rows) * TAKEN_ROW,
+        None => draw_seconds(draw.rows, draw.paths, path),
     }
 }
 
-/// Seconds of one core that `rows` rows of `paths` paths take to trace.
-pub(crate) fn draw_seconds(rows: u32, paths: u32) -> f64 {
-    f64::from(rows) * f64::from(paths) * PATH
+/// Seconds of one core that `rows` rows of `paths` paths take to draw and trace.
+pub(crate) fn draw_seconds(rows: u32, paths: u32, path: f64) -> f64 {
+    f64::from(rows) * (f64::from(paths) + CANDIDATES) * path
 }
 
 /// Bytes at the most.
@@ -45,8 +61,8 @@ pub(crate) fn extract_memory(draw: &DrawPlan) -> u64 {
     BASE + u64::from(draw.rows) * DRAWN_ROW
 }
 
-/// Seconds of one core.
-pub(crate) fn train_seconds(rows: u64, size: &Size, config: &TrainConfig) -> f64 {
+/// Seconds of one core; `warm`: going on from an earlier net.
+pub(crate) fn train_seconds(rows: u64, size: &Size, config: &TrainConfig, warm: bool) -> f64 {
     let inputs = config.inputs.len().min(VARYING_INPUTS);
     let weights = match size {
         Size::Hidden(hidden) => weights(inputs, hidden),
@@ -55,7 +71,8 @@ pub(crate) fn train_seconds(rows: u64, size: &Size, config: &TrainConfig) -> f64
             .get(LADDER.len() / 2)
             .map_or(SOME_WEIGHTS, |hidden| weights(inputs, hidden)),
     } as f64;
-    rows as f64 * config.iterations as f64 * weights * weights * STEP
+    let iterations = config.iterations as f64 * if warm { TAKEN_WARM } else { TAKEN };
+    rows as f64 * iterations * weights * weights * STEP
 }
 
 fn weights(inputs: usize, hidden: &[usize]) -> u64 {

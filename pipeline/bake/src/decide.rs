@@ -7,15 +7,17 @@
 
 use crate::config::BakeConfig;
 use crate::error::BakeError;
+use crate::experience::Experience;
 use crate::job::{Boxes, Shared};
 use crate::judge::{CellJudgement, Judgement};
 use crate::plan::{CellPlan, Earlier, PartPlan, RoundPlan, draw_parts};
-use crate::remedy::{Action, Remedy, best_remedy};
+use crate::remedy::{Action, Remedy, remedies_of};
 use crate::run::Run;
 use crate::task::cell_hashes;
 use rayon::prelude::*;
-use rrf_train::quadratic::Cut;
+use rrf_train::cut::Cut;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Why no further round is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,34 +59,45 @@ pub enum Next {
 
 /// A round takes remedies until they make up this share of what all of them should remove:
 /// the rest is spread thinly over many cells, and better judged after the round.
-const SHARE: f64 = 0.75;
+const SHARE: f64 = 0.5;
 /// Or until the whole should come to this share of the target: predictions are rough.
 const AIM: f64 = 0.95;
 /// Standard errors within which an error counts as zero.
 const HIDDEN: f64 = 2.0;
 
-/// Decides from the round's plan, samples and judgement alone, so that a resumed run decides
-/// the same.
-pub fn decide(run: &Run, plan: &RoundPlan, judgement: &Judgement) -> Result<Next, BakeError> {
+/// Decides from files of the run alone, so that a resumed run decides the same; but the last round
+/// before a time limit takes no more than `budget`, in seconds as remedies count them. Gives the
+/// remedies of all cells that miss the target as well: those of cells that are left alone are good for
+/// the round after.
+pub fn decide(
+    run: &Run,
+    plan: &RoundPlan,
+    judgement: &Judgement,
+    budget: Option<f64>,
+) -> Result<(Next, Vec<Remedy>), BakeError> {
     if let Some(stop) = stop(&run.config, plan, judgement) {
-        return Ok(Next::Stop(stop));
+        return Ok((Next::Stop(stop), Vec::new()));
     }
-    let remedies = chosen(run, judgement, remedies(run, plan, judgement)?);
+    let possible = remedies(run, plan, judgement)?;
+    let experience = Experience::of(run, plan, &judgement.cells)?;
+    let remedies = chosen(run, judgement, &possible, &experience);
+    let mut remedies = within(remedies, budget);
     if remedies.is_empty() {
-        return Ok(Next::Stop(Stop::NothingToSplit));
+        return Ok((Next::Stop(Stop::NothingToSplit), possible));
     }
     let mut next = RoundPlan {
         round: plan.round + 1,
         ..plan.clone()
     };
     let (boxes, shared) = (Boxes::new(&plan.tree), Shared::of(plan));
+    remedies.sort_by_key(|r| r.cell);
     for remedy in &remedies {
         if let Some(cell) = plan.cells.get(remedy.cell as usize) {
             let (_, fit) = cell_hashes(run, &shared, &boxes.of_cell(plan, cell)?)?;
             apply(&mut next, remedy, fit);
         }
     }
-    Ok(Next::Round(Box::new(next)))
+    Ok((Next::Round(Box::new(next)), possible))
 }
 
 fn stop(config: &BakeConfig, plan: &RoundPlan, judgement: &Judgement) -> Option<Stop> {
@@ -100,36 +113,77 @@ fn stop(config: &BakeConfig, plan: &RoundPlan, judgement: &Judgement) -> Option<
     }
 }
 
-/// The best remedy of every cell that misses the target.
+/// All that could be done about the cells that miss the target; of cells that the round before left
+/// alone, what it found.
 fn remedies(run: &Run, plan: &RoundPlan, judgement: &Judgement) -> Result<Vec<Remedy>, BakeError> {
     let target = f64::from(run.config.target).powi(2);
-    let may_split = plan.cells.len() < run.config.most_cells as usize;
     let misses: Vec<&CellJudgement> = judgement
         .cells
         .iter()
         .filter(|c| c.square_error > target)
         .collect();
+    let known = known(run, plan)?;
     let found = misses
         .into_par_iter()
         .map(|judged| match plan.cells.get(judged.cell as usize) {
-            Some(cell) => best_remedy(run, plan, cell, judged, may_split),
-            None => Ok(None),
+            Some(cell) => match known.get(&cell.cell) {
+                Some(remedies) => Ok(remedies.clone()),
+                None => remedies_of(run, plan, cell, judged),
+            },
+            None => Ok(Vec::new()),
         })
-        .collect::<Result<Vec<Option<Remedy>>, BakeError>>()?;
+        .collect::<Result<Vec<Vec<Remedy>>, BakeError>>()?;
     Ok(found.into_iter().flatten().collect())
 }
 
-/// Those that the round takes, by cell.
-fn chosen(run: &Run, judgement: &Judgement, mut remedies: Vec<Remedy>) -> Vec<Remedy> {
-    let rate = |r: &Remedy| r.gain / r.seconds.max(f64::MIN_POSITIVE);
-    remedies.sort_by(|a, b| rate(b).total_cmp(&rate(a)).then(a.cell.cmp(&b.cell)));
-    let possible: f64 = remedies.iter().map(|r| r.gain).sum();
+/// Remedies that the round before found for cells that it left alone.
+fn known(run: &Run, plan: &RoundPlan) -> Result<BTreeMap<u32, Vec<Remedy>>, BakeError> {
+    let before = match plan.round.checked_sub(1) {
+        Some(before) => run.read_judged(before)?,
+        None => None,
+    };
+    let mut known: BTreeMap<u32, Vec<Remedy>> = BTreeMap::new();
+    for remedy in before.map(|judged| judged.remedies).unwrap_or_default() {
+        let cell = plan.cells.get(remedy.cell as usize);
+        if cell.is_some_and(|cell| cell.fitted < plan.round) {
+            known.entry(remedy.cell).or_default().push(remedy);
+        }
+    }
+    Ok(known)
+}
+
+/// A remedy and the squared error that it should remove from the whole.
+type Gain<'a> = (f64, &'a Remedy);
+
+/// The remedies that the round takes: one a cell, those of most gain a second first.
+fn chosen(
+    run: &Run,
+    judgement: &Judgement,
+    remedies: &[Remedy],
+    experience: &Experience,
+) -> Vec<Remedy> {
+    let mut room = (run.config.most_cells as usize).saturating_sub(judgement.cells.len());
+    let rate = |&(gain, remedy): &Gain| gain / remedy.seconds.max(f64::MIN_POSITIVE);
+    let mut best: BTreeMap<u32, Gain> = BTreeMap::new();
+    for remedy in remedies {
+        let found = (remedy.share - experience.left(remedy), remedy);
+        let allowed = room > 0 || !matches!(remedy.action, Action::Split { .. });
+        // the first of equals: a split
+        let beaten = best
+            .get(&remedy.cell)
+            .is_none_or(|b| rate(&found) > rate(b));
+        if found.0 > 0.0 && allowed && beaten {
+            best.insert(remedy.cell, found);
+        }
+    }
+    let mut best: Vec<Gain> = best.into_values().collect();
+    best.sort_by(|a, b| rate(b).total_cmp(&rate(a)).then(a.1.cell.cmp(&b.1.cell)));
+    let possible: f64 = best.iter().map(|(gain, _)| gain).sum();
     let sought = AIM * f64::from(run.config.target).min(judgement.relative_error);
     let wanted = (SHARE * possible).min(judgement.relative_error.powi(2) - sought.powi(2));
-    let mut room = (run.config.most_cells as usize).saturating_sub(judgement.cells.len());
     let mut gained = 0.0;
     let mut taken = Vec::new();
-    for remedy in remedies {
+    for (gain, remedy) in best {
         if gained >= wanted {
             break;
         }
@@ -139,11 +193,22 @@ fn chosen(run: &Run, judgement: &Judgement, mut remedies: Vec<Remedy>) -> Vec<Re
             }
             room -= 1;
         }
-        gained += remedy.gain;
-        taken.push(remedy);
+        gained += gain;
+        taken.push(remedy.clone());
     }
-    taken.sort_by_key(|r| r.cell);
     taken
+}
+
+/// The first remedies that a budget allows, at least one.
+fn within(mut remedies: Vec<Remedy>, budget: Option<f64>) -> Vec<Remedy> {
+    let mut spent = 0.0;
+    let fits = |r: &&Remedy| {
+        spent += r.seconds;
+        budget.is_none_or(|budget| spent <= budget)
+    };
+    let count = remedies.iter().take_while(fits).count();
+    remedies.truncate(count.max(1));
+    remedies
 }
 
 /// Writes a remedy into the next round's plan; `fit` is the hash of the cell's fit so far.
@@ -152,7 +217,7 @@ fn apply(next: &mut RoundPlan, remedy: &Remedy, fit: String) {
         return;
     };
     match &remedy.action {
-        Action::Split { cut, left } => split(next, &old, remedy, cut, *left, fit),
+        Action::Split { cut, left, .. } => split(next, &old, remedy, cut, *left, fit),
         Action::More => {
             let leaf = next.tree.leaves()[old.cell as usize];
             let mut cell = CellPlan {
@@ -242,116 +307,4 @@ fn taken(parent: &CellPlan, child: u32) -> Vec<PartPlan> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plan::one_cell;
-    use crate::task::expected_rows;
-    use rrf_field::columns;
-    use rrf_train::Size;
-
-    /// Each reason to stop at its border, and none beside it.
-    #[test]
-    fn stops_where_it_should() {
-        let light_box = rrf_extract::LightBox {
-            minimum: [0.0; 3],
-            maximum: [1.0; 3],
-        };
-        let config = BakeConfig {
-            target: 0.05,
-            rounds: 3,
-            ..BakeConfig::preset(crate::Preset::Standard, light_box, 1)
-        };
-        let after = |round: u32, relative_error: f64, relative_error_se: f64| {
-            let plan = RoundPlan {
-                round,
-                ..one_cell(256)
-            };
-            let judgement = Judgement {
-                relative_error,
-                relative_error_se,
-                cells: Vec::new(),
-            };
-            stop(&config, &plan, &judgement)
-        };
-        assert_eq!(after(0, 0.048, 0.001), Some(Stop::Target));
-        assert_eq!(after(0, 0.048, 0.003), None);
-        assert_eq!(after(0, 0.060, 0.031), Some(Stop::Noise));
-        assert_eq!(after(0, 0.060, 0.029), None);
-        assert_eq!(after(1, 0.060, 0.001), None);
-        assert_eq!(after(2, 0.060, 0.001), Some(Stop::Rounds));
-    }
-
-    fn remedy(action: Action, rows: u32) -> Remedy {
-        Remedy {
-            cell: 0,
-            action,
-            gain: 1.0,
-            seconds: 1.0,
-            rows,
-            paths: 128,
-        }
-    }
-
-    fn cut() -> Cut {
-        Cut {
-            axis: columns::L,
-            threshold: 0.5,
-            before: 1.0,
-            after: 0.5,
-        }
-    }
-
-    /// Children take their parent's rows and are filled up to as many each; a second split does
-    /// the same to a child, and the plan stays sound.
-    #[test]
-    fn children_keep_rows_and_get_the_rest() {
-        let mut plan = one_cell(256);
-        plan.round = 1;
-        apply(
-            &mut plan,
-            &remedy(
-                Action::Split {
-                    cut: cut(),
-                    left: 0.3,
-                },
-                6000,
-            ),
-            "first".into(),
-        );
-        plan.check().unwrap();
-        assert_eq!(expected_rows(&plan), [6000, 6000]);
-        let measures: Vec<f64> = plan.cells.iter().map(|c| c.measure).collect();
-        assert_eq!(measures, [0.3, 0.7]);
-        assert_eq!(plan.cells[1].parts[0].from, Some([0, 0]));
-        let from = |cell: usize| plan.cells[cell].earlier.clone().unwrap();
-        assert_eq!(from(0), from(1));
-        assert_eq!((from(0).round, from(0).task.as_str()), (0, "first"));
-        plan.round = 2;
-        apply(&mut plan, &remedy(Action::More, 6000), "second".into());
-        plan.check().unwrap();
-        assert_eq!(expected_rows(&plan), [12_000, 6000]);
-        assert_eq!((plan.cells[0].fitted, plan.cells[1].fitted), (2, 1));
-        let from = plan.cells[0].earlier.clone().unwrap();
-        assert_eq!(
-            (from.round, from.cell, from.task.as_str()),
-            (1, 0, "second")
-        );
-        let parts: Vec<u32> = plan.cells[0].parts.iter().map(|p| p.part).collect();
-        assert_eq!(parts, [1, 2, 3], "numbers of parts are never used twice");
-    }
-
-    #[test]
-    fn a_larger_net_draws_nothing() {
-        let mut plan = one_cell(256);
-        plan.round = 1;
-        let size = Size::Hidden(vec![32, 16]);
-        apply(
-            &mut plan,
-            &remedy(Action::Grow(size.clone()), 0),
-            "first".into(),
-        );
-        plan.check().unwrap();
-        assert_eq!((plan.draws.len(), &plan.cells[0].size), (1, &size));
-        assert_eq!(plan.cells[0].fitted, 1);
-    }
-}
+mod tests;

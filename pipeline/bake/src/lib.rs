@@ -20,6 +20,7 @@ mod cost;
 mod crew;
 mod decide;
 mod error;
+mod experience;
 mod fitting;
 mod job;
 mod judge;
@@ -41,6 +42,7 @@ pub use error::BakeError;
 pub use job::{CHAPTER, Job};
 pub use judge::{CellJudgement, Judgement};
 pub use plan::{CellPlan, DrawPlan, PartPlan, RoundPlan};
+pub use remedy::{Action, Kind, Remedy};
 pub use rounds::{
     Ended, Standing, finish_round, first_plan, first_tasks, perform_stage, rounds, standing,
 };

@@ -74,13 +74,21 @@ pub struct RoundPlan {
     pub mean_luminance: f32,
     /// Diagonal of the scene's bounds, m.
     pub diagonal: f32,
+    /// Seconds of one core that a path should take.
+    pub path_seconds: f64,
     /// Candidates of the first plan, accepted and left out.
     pub census: Census,
 }
 
 impl RoundPlan {
     /// Round 0: draws and a fit for every cell of the first tree.
-    pub fn first(plan: FirstPlan, diagonal: f32, paths: u32, size: &Size) -> RoundPlan {
+    pub fn first(
+        plan: FirstPlan,
+        diagonal: f32,
+        path_seconds: f64,
+        paths: u32,
+        size: &Size,
+    ) -> RoundPlan {
         let mut draws = Vec::new();
         let cells = (0u32..).zip(plan.tree.leaves()).zip(&plan.cells);
         let cells = cells.map(|((cell, leaf), share)| CellPlan {
@@ -99,6 +107,7 @@ impl RoundPlan {
             lambert: plan.lambert,
             mean_luminance: plan.mean_luminance,
             diagonal,
+            path_seconds,
             census: plan.census,
         }
     }
@@ -170,5 +179,5 @@ pub(crate) fn one_cell(paths: u32) -> RoundPlan {
         mean_luminance: 1.0,
         census: Census::default(),
     };
-    RoundPlan::first(first, 1.0, paths, &Size::Hidden(vec![20, 10]))
+    RoundPlan::first(first, 1.0, 1e-6, paths, &Size::Hidden(vec![20, 10]))
 }

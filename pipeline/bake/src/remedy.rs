@@ -2,9 +2,8 @@
 //!
 //! The squared error of a cell is taken for the sum of two: what its net cannot follow even on
 //! the rows it learned from (*fit*, the error on the training rows) and what the rows did not
-//! tell it (*gap*, the rest). The gap goes with weights over samples; the fit shrinks with the
-//! cell by as much as a quadratic polynomial's error does ([`best_cut`]), and with the net.
-//! Measured on 512-path samples of the Cornell box: docs/accuracy.md.
+//! tell it (*gap*, the rest). What a remedy leaves of either was measured (docs/accuracy.md); where
+//! to cut a cell, linear regression says ([`best_cut`]).
 
 use crate::config::BakeConfig;
 use crate::cost;
@@ -14,14 +13,17 @@ use crate::run::Run;
 use crate::work::read_some;
 use crate::{error::BakeError, task::fit_config};
 use rrf_store::samples::SampleTable;
-use rrf_train::quadratic::{Cut, best_cut};
+use rrf_train::cut::{Cut, Rule, best_cut};
 use rrf_train::{LADDER, Size};
+use serde::{Deserialize, Serialize};
 
 /// What may be done about a cell.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Action {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Action {
     /// Two cells in its place, each with as many rows as it has now.
     Split {
+        /// By which rule.
+        rule: Rule,
         /// Where.
         cut: Cut,
         /// Share of its rows on the left.
@@ -33,15 +35,39 @@ pub(crate) enum Action {
     Grow(Size),
 }
 
+/// What sort of action.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// [`Action::Split`].
+    Split(Rule),
+    /// [`Action::More`].
+    More,
+    /// [`Action::Grow`].
+    Grow,
+}
+
+impl Action {
+    /// Its sort.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Action::Split { rule, .. } => Kind::Split(*rule),
+            Action::More => Kind::More,
+            Action::Grow(_) => Kind::Grow,
+        }
+    }
+}
+
 /// One of these for one cell.
-#[derive(Clone, Debug)]
-pub(crate) struct Remedy {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Remedy {
     /// The cell.
     pub cell: u32,
     /// What is done.
     pub action: Action,
-    /// Squared error that it should remove from the whole.
-    pub gain: f64,
+    /// What the cell adds to the squared error of the whole.
+    pub share: f64,
+    /// What should be left of that, by the constants here ([`crate::experience`] corrects them).
+    pub left: f64,
     /// Seconds of one core that it should take.
     pub seconds: f64,
     /// Rows to draw for it.
@@ -50,24 +76,20 @@ pub(crate) struct Remedy {
     pub paths: u32,
 }
 
-/// A cut leaves at most this share of the fit error in place of what the polynomials promise:
-/// nets follow what polynomials do not.
-const LEAST_CUT: f64 = 0.35;
-/// What a larger net leaves of the fit error, and what it makes of the gap, where it promised
-/// most: measured over the rounds of bakes of four scenes, as all of these (docs/accuracy.md).
+/// What two cells in place of one, with as many rows each, leave of fit and gap.
+const SPLIT: [f64; 2] = [0.6, 0.85];
+/// What twice the rows leave of them.
+const MORE: [f64; 2] = [1.0, 0.7];
+/// What a larger net makes of them.
 const GROWN: [f64; 2] = [0.95, 1.1];
-/// What twice the rows leave of the gap.
-const GAP: f64 = 0.8;
 
-/// The remedy that should remove most error a second, or none where nothing helps.
-/// `may_split` is false where the run may not have more cells.
-pub(crate) fn best_remedy(
+/// All that could be done about a cell.
+pub(crate) fn remedies_of(
     run: &Run,
     plan: &RoundPlan,
     cell: &CellPlan,
     judged: &CellJudgement,
-    may_split: bool,
-) -> Result<Option<Remedy>, BakeError> {
+) -> Result<Vec<Remedy>, BakeError> {
     let config = &run.config;
     let (table, rows) = read_some(run, cell)?;
     let fit = judged
@@ -76,54 +98,54 @@ pub(crate) fn best_remedy(
     let gap = judged.square_error - fit;
     let paths = paths(config, plan, cell, judged);
     let train = fit_config(run, plan.mean_luminance, cell);
-    let fit_seconds = |size: &Size, rows| cost::train_seconds(rows, size, &train);
-    let drawn_seconds = cost::draw_seconds(rows, paths);
+    let fit_seconds = |size: &Size, rows| cost::train_seconds(rows, size, &train, true);
+    let drawn_seconds = cost::draw_seconds(rows, paths, plan.path_seconds);
     let twice = fit_seconds(&cell.size, 2 * u64::from(rows));
+    let leaves = |[of_fit, of_gap]: [f64; 2]| of_fit * fit + of_gap * gap;
     let mut found: Vec<Remedy> = Vec::new();
     let mut consider = |action, left: f64, seconds, rows| {
         found.push(Remedy {
             cell: cell.cell,
             action,
-            gain: judged.measure * (judged.square_error - left),
+            share: judged.measure * judged.square_error,
+            left: judged.measure * left,
             seconds,
             rows,
             paths,
         });
     };
-    if may_split && let Some((cut, left)) = cut(config, plan, &table) {
-        let shrunk = (cut.after / cut.before).clamp(LEAST_CUT, 1.0);
-        let action = Action::Split { cut, left };
-        consider(
-            action,
-            shrunk * fit + GAP * gap,
-            drawn_seconds + twice,
-            rows,
-        );
+    // they take turns until one has done better
+    let turns = match (plan.round + cell.cell) % 2 {
+        0 => [Rule::Logarithm, Rule::Relative],
+        _ => [Rule::Relative, Rule::Logarithm],
+    };
+    for rule in turns {
+        if let Some((cut, left)) = cut(rule, config, plan, &table) {
+            let action = Action::Split { rule, cut, left };
+            consider(action, leaves(SPLIT), drawn_seconds + twice, rows);
+        }
     }
-    consider(Action::More, fit + GAP * gap, drawn_seconds + twice, rows);
+    consider(Action::More, leaves(MORE), drawn_seconds + twice, rows);
     if let Some(size) = larger(&cell.size) {
         let seconds = fit_seconds(&size, u64::from(rows));
-        consider(
-            Action::Grow(size),
-            GROWN[0] * fit + GROWN[1] * gap,
-            seconds,
-            0,
-        );
+        consider(Action::Grow(size), leaves(GROWN), seconds, 0);
     }
-    let rate = |r: &Remedy| r.gain / r.seconds.max(f64::MIN_POSITIVE);
-    // the first of equals: a split
-    let best = found.into_iter().filter(|r| r.gain > 0.0);
-    Ok(best.reduce(|a, b| if rate(&b) > rate(&a) { b } else { a }))
+    Ok(found)
 }
 
 /// The best cut and the share of rows on its left.
-fn cut(config: &BakeConfig, plan: &RoundPlan, table: &SampleTable) -> Option<(Cut, f64)> {
+fn cut(
+    rule: Rule,
+    config: &BakeConfig,
+    plan: &RoundPlan,
+    table: &SampleTable,
+) -> Option<(Cut, f64)> {
     let halves = [table.halves[0].as_slice(), table.halves[1].as_slice()];
     let floor = config.train.epsilon * f64::from(plan.mean_luminance);
     let lambert = |&m: &u32| plan.lambert.get(m as usize).copied().unwrap_or(false);
-    let viewer = !table.material.iter().all(lambert);
+    let glossy = !table.material.iter().all(lambert);
     let fewest = config.extract.fewest_rows as usize;
-    let cut = best_cut(&table.columns, halves, floor, fewest, viewer)?;
+    let cut = best_cut(rule, &table.columns, halves, floor, fewest, glossy)?;
     let column = &table.columns.columns[cut.axis];
     let left = column.iter().filter(|&&x| x < cut.threshold).count();
     Some((cut, left as f64 / column.len().max(1) as f64))
@@ -139,9 +161,10 @@ fn larger(size: &Size) -> Option<Size> {
     Some(Size::Hidden(next.to_vec()))
 }
 
-/// Paths for each new row of a cell. With γ parameters fitted to N rows the gap is
-/// (v + σ² / P) γ / N: v what a noise-free row would leave unsaid, σ² the squared noise of one
-/// path. A row costs t + c P seconds. For a given time the gap is least at P² = σ² t / (v c).
+/// Paths for each new row of a cell. γ parameters fitted to N rows add (v + σ² / P) γ / N to the
+/// error, and take as much from that on the training rows, so that the gap is twice this: v what a
+/// noise-free row would leave unsaid, σ² the squared noise of one path. A row costs t + c P seconds
+/// (candidates and fit; paths). For a given time the gap is least at P² = σ² t / (v c).
 fn paths(config: &BakeConfig, plan: &RoundPlan, cell: &CellPlan, judged: &CellJudgement) -> u32 {
     let used = cell
         .parts
@@ -156,16 +179,18 @@ fn paths(config: &BakeConfig, plan: &RoundPlan, cell: &CellPlan, judged: &CellJu
     let one_path = judged.noise.powi(2) * now;
     let gap = judged.square_error - judged.train_square_error.max(0.0);
     let parameters = judged.effective_parameters.max(1.0);
-    let unsaid = gap * judged.train_rows as f64 / parameters - one_path / now;
+    let unsaid = 0.5 * gap * judged.train_rows as f64 / parameters - one_path / now;
     let (most, least) = (f64::from(MOST_PATHS), f64::from(LEAST_PATHS));
-    let ratio = cost::train_seconds(1, &cell.size, &config.train) / cost::draw_seconds(1, 1);
+    let path = plan.path_seconds;
+    let row = cost::train_seconds(1, &cell.size, &config.train, true);
+    let ratio = (row + cost::draw_seconds(1, 0, path)) / path;
     let best = (one_path * ratio / unsaid.max(f64::MIN_POSITIVE)).sqrt();
     // a power of two: even, and strata of the paths' Sobol points stay whole
     2f64.powf(best.clamp(least, most).log2().round()) as u32
 }
 
 const LEAST_PATHS: u32 = 64;
-const MOST_PATHS: u32 = 1024;
+const MOST_PATHS: u32 = 512;
 
 #[cfg(test)]
 mod tests {
@@ -202,13 +227,13 @@ mod tests {
             let chosen = paths(&config, &plan, &plan.cells[0], &judged);
             let size = &plan.cells[0].size;
             let variance = noise * noise * f64::from(now);
-            let unsaid = gap * 4200.0 / 300.0 - noise * noise;
+            let unsaid = 0.5 * gap * 4200.0 / 300.0 - noise * noise;
             let cost = |paths: u32| {
-                let seconds = cost::train_seconds(1_000, size, &config.train)
-                    + cost::draw_seconds(1_000, paths);
+                let seconds = cost::train_seconds(1_000, size, &config.train, true)
+                    + cost::draw_seconds(1_000, paths, plan.path_seconds);
                 (unsaid + variance / f64::from(paths)) * seconds
             };
-            for other in (6..=10).map(|k| 1u32 << k) {
+            for other in (6..=9).map(|k| 1u32 << k) {
                 assert!(cost(chosen) <= cost(other), "{chosen}, {other} is better");
             }
         }

@@ -5,6 +5,7 @@
 
 use crate::commit::{commit, missing};
 use crate::config::BakeConfig;
+use crate::cost;
 use crate::crew;
 use crate::decide::{Next, Stop, decide};
 use crate::error::BakeError;
@@ -17,7 +18,7 @@ use crate::watch::Watch;
 use crate::work::{Site, perform};
 use rrf_extract::Census;
 use rrf_store::layout::remove_unfinished;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Where a run stands.
 #[derive(Clone, Debug)]
@@ -81,7 +82,8 @@ fn plan_first(config: &BakeConfig, site: &Site) -> Result<RoundPlan, BakeError> 
     let first = rrf_extract::plan(site.scene(), site.tracer(), &config.extract)?;
     let diagonal = site.scene().bounds().map_or(0.0, |b| b.diagonal());
     let (paths, size) = (config.extract.paths, &config.train.size);
-    Ok(RoundPlan::first(first, diagonal, paths, size))
+    let path = cost::path_seconds(site.tracer());
+    Ok(RoundPlan::first(first, diagonal, path, paths, size))
 }
 
 /// Does the tasks of one stage that are not done; `only` limits them to some cells.
@@ -126,15 +128,28 @@ pub fn perform_stage(
     run.unless_gone(done.and(noted))
 }
 
-/// Commits a round whose tasks are done and writes down what comes next.
-pub fn finish_round(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
-    run.unless_gone(finish(run, plan))
+/// Commits a round whose tasks are done and writes down what comes next: no more than should be done
+/// in the time that is left, where that is limited.
+pub fn finish_round(
+    run: &Run,
+    plan: &RoundPlan,
+    left: Option<Duration>,
+) -> Result<(Judgement, Next), BakeError> {
+    run.unless_gone(finish(run, plan, left))
 }
 
-fn finish(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
+fn finish(
+    run: &Run,
+    plan: &RoundPlan,
+    left: Option<Duration>,
+) -> Result<(Judgement, Next), BakeError> {
     let start = Instant::now();
     let judgement = commit(run, plan)?;
-    let next = decide(run, plan, &judgement)?;
+    let budget = match left {
+        Some(left) => seconds::budget(run, plan, left)?,
+        None => None,
+    };
+    let (next, remedies) = decide(run, plan, &judgement, budget)?;
     if let Next::Round(next) = &next {
         run.write_plan(next)?;
     }
@@ -148,6 +163,7 @@ fn finish(run: &Run, plan: &RoundPlan) -> Result<(Judgement, Next), BakeError> {
         round: plan.round,
         judgement: judgement.clone(),
         stop,
+        remedies,
     })?;
     seconds::add(run, plan.round, |s| &mut s.judge, start)?;
     Ok((judgement, next))
@@ -195,7 +211,7 @@ pub fn rounds(run: &Run, site: &Site, watch: &dyn Watch) -> Result<Ended, BakeEr
             }
             (work, _) => work?,
         }
-        let (judgement, _) = finish_round(run, &plan)?;
+        let (judgement, _) = finish_round(run, &plan, watch.left())?;
         watch.keep().map_err(BakeError::Keep)?;
         watch.judged(plan.round, &judgement);
     }

@@ -7,6 +7,7 @@ use crate::error::BakeError;
 use crate::job::Chapter;
 use crate::judge::Judgement;
 use crate::plan::RoundPlan;
+use crate::remedy::Remedy;
 use crate::task::{chapters, task_rows};
 use rrf_extract::ExtractError;
 use rrf_scene::Scene;
@@ -31,6 +32,9 @@ pub struct Judged {
     pub judgement: Judgement,
     /// Why no further round is made; none where one is.
     pub stop: Option<Stop>,
+    /// What could be done about the cells that miss the target.
+    #[serde(default)]
+    pub remedies: Vec<Remedy>,
 }
 
 /// An open run folder.

@@ -1,13 +1,16 @@
 //! `rounds/RRR/seconds.json`: the wall time of a round's stages, for people. It is the one file
-//! in which two runs of one seed differ, and nothing that a bake decides depends on it.
+//! in which two runs of one seed differ, and nothing that a bake decides depends on it, but for how
+//! much of the last round fits into a time limit.
 
+use crate::cost;
 use crate::error::BakeError;
+use crate::plan::RoundPlan;
 use crate::run::{Run, read_json, write_json};
-use crate::task::Stage;
+use crate::task::{Stage, expected_rows};
 use rrf_store::layout::round_folder;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Wall time of a round's stages on one machine [s]. Stages that were cut off and went on add up;
 /// the time of a process that was killed is in none, nor is that of tasks that others did.
@@ -58,6 +61,40 @@ pub(crate) fn add(
     let mut seconds = read_seconds(run, round).ok().flatten().unwrap_or_default();
     *stage(&mut seconds) += start.elapsed().as_secs_f64();
     write_json(&path(run, round), &seconds)
+}
+
+/// Share of the time left that a round is to take: predictions are rough.
+const CAREFUL: f64 = 0.92;
+
+/// What the next round may cost, in the seconds that tasks are said to take, if it takes as long for
+/// each of them as this round did; none where this round's time is not known.
+pub(crate) fn budget(
+    run: &Run,
+    plan: &RoundPlan,
+    left: Duration,
+) -> Result<Option<f64>, BakeError> {
+    let took = read_seconds(run, plan.round).ok().flatten();
+    let Some(took) = took.filter(|t| t.extract + t.train > 0.0) else {
+        return Ok(None);
+    };
+    let before = match plan.round.checked_sub(1) {
+        Some(before) => run.read_plan(before)?.map_or(0, |p| p.draws.len()),
+        None => 0,
+    };
+    let draws = plan.draws.iter().skip(before);
+    let drawn: f64 = draws
+        .map(|d| cost::draw_seconds(d.rows, d.paths, plan.path_seconds))
+        .sum();
+    let fitted = plan.cells.iter().zip(expected_rows(plan));
+    let fitted = fitted.filter(|(cell, _)| cell.fitted == plan.round);
+    let trained: f64 = fitted
+        .map(|(cell, rows)| {
+            let warm = cell.earlier.is_some();
+            cost::train_seconds(rows, &cell.size, &run.config.train, warm)
+        })
+        .sum();
+    let free = CAREFUL * left.as_secs_f64();
+    Ok(Some((drawn + trained) * free / (took.extract + took.train)))
 }
 
 /// Where the file lies.

@@ -81,7 +81,7 @@ fn entries(run: &Run, plan: &RoundPlan) -> Result<Vec<Entry>, BakeError> {
                 cell: cell.cell,
                 part: Some(part.part),
                 hash,
-                seconds: cost::extract_seconds(part, draw),
+                seconds: cost::extract_seconds(part, draw, plan.path_seconds),
                 memory: cost::extract_memory(draw),
                 least_memory: cost::extract_memory(draw),
             };
@@ -95,7 +95,12 @@ fn entries(run: &Run, plan: &RoundPlan) -> Result<Vec<Entry>, BakeError> {
             cell: cell.cell,
             part: None,
             hash: fit,
-            seconds: cost::train_seconds(rows, &cell.size, &run.config.train),
+            seconds: cost::train_seconds(
+                rows,
+                &cell.size,
+                &run.config.train,
+                cell.earlier.is_some(),
+            ),
             memory: cost::train_memory(rows),
             least_memory: cost::spilled_memory(rows),
         };

@@ -2,6 +2,7 @@
 
 use crate::judge::Judgement;
 use crate::task::Stage;
+use std::time::Duration;
 
 /// Why a bake stops between two tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +29,10 @@ pub trait Watch: Sync {
     }
     /// Bytes that the tasks in hand may need together; none for no bound.
     fn memory(&self) -> Option<u64> {
+        None
+    }
+    /// Time until none should begin any more; none for no limit.
+    fn left(&self) -> Option<Duration> {
         None
     }
     /// Whether no further task should begin.

@@ -82,7 +82,7 @@ pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
     };
     let watch = Bars::new(quiet, &args.bounds)?.keeping(place);
     rrf_bake::perform_stage(&run, &plan, None, Stage::Train, None, &watch)?;
-    let (judgement, next) = rrf_bake::finish_round(&run, &plan)?;
+    let (judgement, next) = rrf_bake::finish_round(&run, &plan, None)?;
     watch.push()?;
     print_judgement(&judgement, run.config.target);
     match next {

@@ -103,6 +103,11 @@ impl Watch for Bars {
         self.memory
     }
 
+    fn left(&self) -> Option<Duration> {
+        let deadline = self.deadline?;
+        Some(deadline.saturating_duration_since(Instant::now()))
+    }
+
     fn halted(&self) -> Option<Halt> {
         if self.interrupted.load(Ordering::Relaxed) {
             return Some(Halt::Interrupt);

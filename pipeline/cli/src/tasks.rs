@@ -142,7 +142,7 @@ pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
         }
         return Ok(());
     };
-    let (judgement, next) = rrf_bake::finish_round(&run, &plan)?;
+    let (judgement, next) = rrf_bake::finish_round(&run, &plan, None)?;
     place.push()?;
     let (ended, text) = match &next {
         Next::Stop(stop) => (true, stop.text().to_string()),

@@ -36,33 +36,54 @@ impl<'a> Lookout<'a> {
 
     /// Whether a free place (a light) lies inside a solid.
     pub fn inside_solid(&self, place: Vec3) -> bool {
-        let votes = self.count((0..DIRECTIONS).map(sphere), |_| place);
-        votes.outlook() == Outlook::InsideSolid
+        self.inside_solid_with(place, &mut Looks::default())
+    }
+
+    /// [`Self::inside_solid`] with working memory for many places.
+    pub fn inside_solid_with(&self, place: Vec3, looks: &mut Looks) -> bool {
+        self.outlook(looks, |i| (place, sphere(i))) == Outlook::InsideSolid
     }
 
     /// What a surface point sees on the side of the unit normal `side`.
     pub fn from_surface(&self, point: &SurfacePoint, side: Vec3) -> Outlook {
-        let up = |w: Vec3| if w.dot(side) < 0.0 { -w } else { w };
-        let directions = (0..DIRECTIONS).map(|i| up(sphere(i)));
-        self.count(directions, |w| {
-            self.tracer.lift(point.triangle, point.position, w)
+        self.from_surface_with(point, side, &mut Looks::default())
+    }
+
+    /// [`Self::from_surface`] with working memory for many points.
+    pub fn from_surface_with(
+        &self,
+        point: &SurfacePoint,
+        side: Vec3,
+        looks: &mut Looks,
+    ) -> Outlook {
+        self.outlook(looks, |i| {
+            let w = sphere(i);
+            let w = if w.dot(side) < 0.0 { -w } else { w };
+            (self.tracer.lift(point.triangle, point.position, w), w)
         })
-        .outlook()
+    }
+
+    /// By rays `ray(i)`, origin and direction: by the even ones alone where the rest cannot change it.
+    fn outlook(&self, looks: &mut Looks, ray: impl Fn(u32) -> (Vec3, Vec3)) -> Outlook {
+        let mut votes = Votes::default();
+        self.count(looks, (0..DIRECTIONS).step_by(2).map(&ray), &mut votes);
+        if votes.inside == 0 && votes.behind_open < votes.hits {
+            return Outlook::Open;
+        }
+        self.count(looks, (1..DIRECTIONS).step_by(2).map(&ray), &mut votes);
+        votes.outlook()
     }
 
     fn count(
         &self,
-        directions: impl Iterator<Item = Vec3>,
-        origin: impl Fn(Vec3) -> Vec3,
-    ) -> Votes {
-        let mut rays = Rays::default();
-        directions.for_each(|w| rays.push(origin(w), w, f32::INFINITY));
-        let mut hits = Hits::default();
-        self.tracer.closest(&rays, &mut hits);
-        let mut votes = Votes {
-            asked: rays.len() as u32,
-            ..Votes::default()
-        };
+        Looks { rays, hits }: &mut Looks,
+        of: impl Iterator<Item = (Vec3, Vec3)>,
+        votes: &mut Votes,
+    ) {
+        rays.clear();
+        of.for_each(|(origin, w)| rays.push(origin, w, f32::INFINITY));
+        self.tracer.closest(rays, hits);
+        votes.asked += rays.len() as u32;
         for (i, &w) in rays.direction.iter().enumerate() {
             let triangle = hits.triangle[i];
             if triangle == INVALID {
@@ -81,8 +102,14 @@ impl<'a> Lookout<'a> {
                 Shell::Open => votes.behind_open += u32::from(behind),
             }
         }
-        votes
     }
+}
+
+/// Working memory of one thread that asks what many places see.
+#[derive(Default)]
+pub struct Looks {
+    rays: Rays,
+    hits: Hits,
 }
 
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,9 +6,9 @@
 //! scrambling*, JCGT 2020.
 
 /// How many dimensions there are.
-pub const DIMENSIONS: usize = 10;
+pub const DIMENSIONS: usize = 8;
 
-/// Degree, polynomial and first direction numbers of dimensions 2 to 10.
+/// Degree, polynomial and first direction numbers of dimensions 2 to 8.
 const JOE_KUO: [(usize, u32, [u32; 5]); DIMENSIONS - 1] = [
     (1, 0, [1, 0, 0, 0, 0]),
     (2, 1, [1, 3, 0, 0, 0]),
@@ -17,8 +17,6 @@ const JOE_KUO: [(usize, u32, [u32; 5]); DIMENSIONS - 1] = [
     (4, 1, [1, 1, 3, 3, 0]),
     (4, 4, [1, 3, 5, 13, 0]),
     (5, 2, [1, 1, 5, 5, 17]),
-    (5, 4, [1, 1, 5, 5, 5]),
-    (5, 7, [1, 1, 7, 11, 19]),
 ];
 
 /// A scrambled sequence in [`DIMENSIONS`] dimensions; one seed, one sequence.
@@ -125,7 +123,7 @@ mod tests {
         let sobol = Sobol::new(1);
         for (i, theirs) in theirs.iter().enumerate() {
             let gray = (i ^ (i >> 1)) as u32;
-            for (d, &theirs) in theirs.iter().enumerate() {
+            for (d, &theirs) in theirs.iter().enumerate().take(DIMENSIONS) {
                 let ours = f64::from(sobol.raw(gray, d)) / 4_294_967_296.0;
                 assert_eq!(ours, theirs, "point {i}, dimension {d}");
             }
@@ -150,7 +148,7 @@ mod tests {
     /// x*y over 64 points, whose expectation is 1/4 (two-sided, 1e-5).
     #[test]
     fn scrambles_are_unbiased() {
-        for (a, b) in [(0, 1), (3, 4), (5, 8), (2, 9)] {
+        for (a, b) in [(0, 1), (3, 4), (5, 7), (2, 6)] {
             let means: Vec<f64> = (0..400)
                 .map(|seed| {
                     let sobol = Sobol::new(seed);

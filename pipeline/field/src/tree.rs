@@ -1,6 +1,7 @@
 //! The kd-tree over raw columns: which cell a row belongs to.
 
 use crate::columns::{self, Columns};
+use std::ops::Range;
 
 /// Marks a leaf in [`Tree::axis`].
 pub const LEAF: i8 = -1;
@@ -42,7 +43,13 @@ impl Domain {
 
     /// Whether a whole row lies in the box.
     pub fn contains(&self, row: &[f32; columns::COUNT]) -> bool {
-        (0..columns::COUNT).all(|i| self.minimum[i] <= row[i] && row[i] < self.maximum[i])
+        self.contains_in(0..columns::COUNT, row)
+    }
+
+    /// Whether some of a row's columns lie in the box.
+    pub fn contains_in(&self, some: Range<usize>, row: &[f32; columns::COUNT]) -> bool {
+        let mut some = some;
+        some.all(|i| self.minimum[i] <= row[i] && row[i] < self.maximum[i])
     }
 }
 
@@ -157,6 +164,14 @@ impl Tree {
             }
         }
         leaves
+    }
+
+    /// The node above a node, none above the root.
+    pub fn parent(&self, node: usize) -> Option<usize> {
+        let above = |n: &usize| {
+            self.axis[*n] != LEAF && [0, 1].contains(&(node.wrapping_sub(self.left[*n] as usize)))
+        };
+        (0..self.axis.len()).find(above)
     }
 
     /// Turns the leaf `node` into a split and returns its children's node ids.

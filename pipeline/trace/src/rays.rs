@@ -6,6 +6,7 @@
 use crate::walk::{Found, Stack, Wide};
 use glam::Vec3;
 use multiversion::multiversion;
+use std::cell::Cell;
 
 /// Rays `origin + t direction`, 0 < t < `t_max`: parallel columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,15 +56,13 @@ impl Rays {
         self.origin.is_empty()
     }
 
-    fn rows(&self) -> Vec<Ray> {
+    fn rows(&self) -> impl Iterator<Item = Ray> {
         let columns = self.origin.iter().zip(&self.direction).zip(&self.t_max);
-        columns
-            .map(|((&origin, &direction), &t_max)| Ray {
-                origin,
-                direction,
-                t_max,
-            })
-            .collect()
+        columns.map(|((&origin, &direction), &t_max)| Ray {
+            origin,
+            direction,
+            t_max,
+        })
     }
 }
 
@@ -89,10 +88,26 @@ pub(crate) fn occluded(wide: &Wide, rays: &[Ray], stack: &mut Stack, blocked: &m
     wide.occluded_of(rays, stack, blocked);
 }
 
+/// What a batch of columns is turned into.
+#[derive(Default)]
+struct Scratch {
+    rows: Vec<Ray>,
+    found: Vec<Found>,
+    stack: Stack,
+}
+
+thread_local! {
+    /// Kept from batch to batch: a batch may be a few rays, and memory is dear where threads share it.
+    static SCRATCH: Cell<Scratch> = Cell::default();
+}
+
 /// [`closest`] on columns.
-pub(crate) fn closest_columns(wide: &Wide, rays: &Rays, stack: &mut Stack, hits: &mut Hits) {
-    let mut found = Vec::new();
-    closest(wide, &rays.rows(), stack, &mut found);
+pub(crate) fn closest_columns(wide: &Wide, rays: &Rays, hits: &mut Hits) {
+    let mut scratch = SCRATCH.take();
+    let Scratch { rows, found, stack } = &mut scratch;
+    rows.clear();
+    rows.extend(rays.rows());
+    closest(wide, rows, stack, found);
     hits.triangle.clear();
     hits.barycentrics.clear();
     hits.t.clear();
@@ -100,14 +115,15 @@ pub(crate) fn closest_columns(wide: &Wide, rays: &Rays, stack: &mut Stack, hits:
     hits.barycentrics
         .extend(found.iter().map(|f| f.barycentrics));
     hits.t.extend(found.iter().map(|f| f.t));
+    SCRATCH.set(scratch);
 }
 
 /// [`occluded`] on columns.
-pub(crate) fn occluded_columns(
-    wide: &Wide,
-    rays: &Rays,
-    stack: &mut Stack,
-    blocked: &mut Vec<bool>,
-) {
-    occluded(wide, &rays.rows(), stack, blocked);
+pub(crate) fn occluded_columns(wide: &Wide, rays: &Rays, blocked: &mut Vec<bool>) {
+    let mut scratch = SCRATCH.take();
+    let Scratch { rows, stack, .. } = &mut scratch;
+    rows.clear();
+    rows.extend(rays.rows());
+    occluded(wide, rows, stack, blocked);
+    SCRATCH.set(scratch);
 }

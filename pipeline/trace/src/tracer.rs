@@ -84,14 +84,19 @@ impl<'s> Tracer<'s> {
         self.scene
     }
 
+    /// Whether flat glossy surfaces are looked at on purpose, which takes its time.
+    pub fn has_mirrors(&self) -> bool {
+        !self.mirrors.is_empty()
+    }
+
     /// The closest triangle of every ray, into `hits`.
     pub fn closest(&self, rays: &Rays, hits: &mut Hits) {
-        rays::closest_columns(&self.wide, rays, &mut self.wide.stack(), hits);
+        rays::closest_columns(&self.wide, rays, hits);
     }
 
     /// Whether anything lies along each ray, into `blocked`.
     pub fn occluded(&self, rays: &Rays, blocked: &mut Vec<bool>) {
-        rays::occluded_columns(&self.wide, rays, &mut self.wide.stack(), blocked);
+        rays::occluded_columns(&self.wide, rays, blocked);
     }
 
     /// A ray's origin just off a triangle, on the side that `direction` leaves to.

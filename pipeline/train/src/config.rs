@@ -108,6 +108,9 @@ pub struct TrainConfig {
     pub iterations: usize,
     /// Steps without a better validation error after which a fit stops.
     pub patience: usize,
+    /// The same of a fit that goes on from an earlier net, and will hardly be the last one.
+    #[serde(default = "patience_going_on")]
+    pub patience_going_on: usize,
     /// In which precision JᵀWJ is multiplied.
     #[serde(default)]
     pub precision: Precision,
@@ -158,10 +161,15 @@ impl Default for TrainConfig {
             rung_steps: 5,
             iterations: 60,
             patience: 6,
+            patience_going_on: patience_going_on(),
             precision: Precision::Double,
             lm: LmConfig::default(),
         }
     }
+}
+
+fn patience_going_on() -> usize {
+    2
 }
 
 impl TrainConfig {

@@ -12,7 +12,7 @@
 //!   are too many ([`spill`]);
 //! - [`checkpoint`] keeps where a long fit stands;
 //! - [`halves`] tells errors without Monte Carlo noise;
-//! - [`quadratic`] says where a cell is best cut in two;
+//! - [`cut`] says where a cell is best cut in two;
 //! - [`fit`] puts it together: [`fit::fit_cell`].
 //!
 //! One net runs on one thread; train cells in parallel.
@@ -25,6 +25,7 @@ pub mod checkpoint;
 pub mod chunk;
 pub mod config;
 mod curvature;
+pub mod cut;
 pub mod dense;
 mod descent;
 pub mod error;
@@ -43,7 +44,7 @@ pub mod prepare;
 pub mod problem;
 mod products;
 mod prune;
-pub mod quadratic;
+
 mod resume;
 pub mod rows;
 mod scratch;

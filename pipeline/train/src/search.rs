@@ -39,7 +39,8 @@ const LEAST_ROWS: f64 = 3.0;
 pub(crate) fn best_of_starts<'a>(cell: &'a Cell, shape: &Shape) -> Option<(Descent<'a>, Stop)> {
     let config = cell.config;
     if let Some(w) = cell.earlier_weights(shape) {
-        return finish(cell, vec![Descent::going_on(cell, shape.clone(), w)]);
+        let going_on = vec![Descent::going_on(cell, shape.clone(), w)];
+        return finish(cell, going_on, config.patience_going_on);
     }
     let rungs = rungs(config, cell.train.len(), shape.weights());
     let starts = rungs.first().map_or(config.starts.max(1), |rung| rung.1);
@@ -59,7 +60,7 @@ pub(crate) fn best_of_starts<'a>(cell: &'a Cell, shape: &Shape) -> Option<(Desce
     if !rungs.is_empty() {
         keep_best(&mut field, 1);
     }
-    finish(cell, field)
+    finish(cell, field, config.patience)
 }
 
 /// Climbs [`LADDER`] until a net's relative error is at most `target`; the best net of all
@@ -98,11 +99,15 @@ fn keep_best(field: &mut Vec<Descent>, survivors: usize) {
 }
 
 /// Runs all that are left on all rows; the best of them.
-fn finish<'a>(cell: &Cell, mut field: Vec<Descent<'a>>) -> Option<(Descent<'a>, Stop)> {
+fn finish<'a>(
+    cell: &Cell,
+    mut field: Vec<Descent<'a>>,
+    patience: usize,
+) -> Option<(Descent<'a>, Stop)> {
     let last = Leg {
         share: 1.0,
         steps: cell.config.iterations,
-        patience: cell.config.patience,
+        patience,
     };
     let stops: Vec<Stop> = field.iter_mut().map(|descent| descent.run(last)).collect();
     field

@@ -15,9 +15,10 @@ use std::fs::File;
 use std::io;
 use std::rc::Rc;
 
-/// Bytes a row that stay in memory: its divisor and its error, of training or of validation
-/// rows; while the file is written its key, its number and its place.
-pub const HELD_ROW: u64 = 16;
+/// Bytes a row that stay in memory, at the most: of a training row its divisor, its weight, the
+/// checkpoint's copy of that and its error, of a validation row less; while the file is written its
+/// key, its number and its place.
+pub const HELD_ROW: u64 = 32;
 /// Bytes that windows of rows take, whatever their number.
 pub const WINDOWS: u64 = 8 << 20;
 

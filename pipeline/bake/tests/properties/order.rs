@@ -16,7 +16,7 @@ fn finish(run: &Run, plan: &RoundPlan, site: &Site) -> BTreeMap<String, Vec<u8>>
         perform_stage(run, plan, Some(site), stage, None, &Alone).unwrap();
     }
     assert_eq!(missing(run, plan).unwrap(), 0);
-    finish_round(run, plan).unwrap();
+    finish_round(run, plan, None).unwrap();
     files(&run.folder)
 }
 

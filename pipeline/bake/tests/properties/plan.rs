@@ -78,16 +78,27 @@ proptest! {
     }
 }
 
-/// The run that the fuzz targets read tables of opens: a setting that is added goes there too.
+/// The fuzz targets begin with a run that opens, and with a plan, a judgement and tasks that are read
+/// to the end: a field that is added goes there too.
 #[test]
 fn the_fuzz_targets_run_opens() {
-    let seed = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fuzz/seeds/small/run.json"
-    );
-    let bytes = std::fs::read(seed).unwrap();
+    let seeds = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/small/");
     let folder = tempfile::tempdir().unwrap();
-    // a byte before it says which reader it is for
-    std::fs::write(folder.path().join("run.json"), &bytes[1..]).unwrap();
-    rrf_bake::Run::open(folder.path()).unwrap();
+    let put = |seed: &str, to: &str| {
+        let bytes = std::fs::read(format!("{seeds}{seed}")).unwrap();
+        let to = folder.path().join(to);
+        std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+        // a byte before it says which reader it is for
+        std::fs::write(to, &bytes[1..]).unwrap();
+    };
+    put("run.json", "run.json");
+    put("plan.json", "rounds/000/plan.json");
+    put("judged.json", "rounds/000/judged.json");
+    put("chapter.json", "rounds/000/tasks/00000.json");
+    let run = rrf_bake::Run::open(folder.path()).unwrap();
+    let plan = run.read_plan(0).unwrap().unwrap();
+    assert!(!rrf_bake::tasks(&run, &plan).unwrap().is_empty());
+    let judged = run.read_judged(0).unwrap().unwrap();
+    assert!(!judged.remedies.is_empty());
+    rrf_bake::Job::read(&run, 0, 0).unwrap().unwrap();
 }

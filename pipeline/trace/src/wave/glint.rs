@@ -3,7 +3,7 @@
 use super::kernels;
 use super::path::Path;
 use super::random;
-use super::run::{Batch, Wave};
+use super::run::{Batch, Wave, looks};
 use super::shade;
 use super::tile::TILE;
 use crate::math::pick;
@@ -30,9 +30,14 @@ impl Wave {
         if bounce == 0 {
             self.stratify(batch, random::GLINT, first, lanes);
         }
+        let looking = looks(bounce);
         for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
+            let mut u = [0, 1, 2].map(|d| self.draws.units[d][i]);
+            if u[0] >= looking {
+                continue;
+            }
+            u[0] /= looking;
             let x = self.vertices.surfaces.position.get(i);
-            let u = [0, 1, 2].map(|d| self.draws.units[d][i]);
             let Some(to) = mirrors.propose(x, self.vertices.light.get(i), u) else {
                 continue;
             };
@@ -43,7 +48,7 @@ impl Wave {
             self.glances.push(Glance {
                 path: *path,
                 mirror: to.mirror,
-                share: to.share,
+                share: to.share * looking,
             });
             self.glance_rays.push(Ray {
                 origin: self.vertices.surfaces.origin(i),

@@ -4,7 +4,7 @@ use super::Source;
 use super::kernels::{self, Vertices};
 use super::path::Path;
 use super::random::{self, Draws};
-use super::run::{Batch, Wave};
+use super::run::{Batch, Wave, looks};
 use super::tile::TILE;
 use crate::mirrors::NO_MIRROR;
 use crate::rays::Ray;
@@ -41,7 +41,7 @@ impl Wave {
                     self.queue_shadows(first, lanes);
                 }
                 if connect {
-                    self.load_light_vertices(batch, first, lanes);
+                    self.load_light_vertices(batch, bounce, first, lanes);
                     let (at, out) = (&self.vertices, &mut self.contributions);
                     kernels::connect(mixed, at, &self.lit, out);
                     self.queue_shadows(first, lanes);
@@ -58,7 +58,7 @@ impl Wave {
     }
 
     /// Copies the light vertices of a tile's paths into its columns.
-    fn load_light_vertices(&mut self, batch: &Batch, first: usize, lanes: usize) {
+    fn load_light_vertices(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
         let mirrors = &batch.part.tracer.mirrors;
         for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
             let lit = &self.light_vertices[path.slot as usize];
@@ -70,7 +70,7 @@ impl Wave {
                 let x = self.vertices.surfaces.position.get(i);
                 let light = self.vertices.light.get(i);
                 let y = lit.vertex.position;
-                self.lit.density[i] += mirrors.density(lit.mirror, x, light, y);
+                self.lit.density[i] += looks(bounce) * mirrors.density(lit.mirror, x, light, y);
             }
         }
     }

@@ -77,6 +77,10 @@ const SAMPLING: Sampling = Sampling {
 fn indirect_light_is_that_of_the_plain_tracer() {
     let scene = room(false);
     let tracer = Tracer::new(&scene).unwrap();
+    assert!(
+        tracer.has_mirrors(),
+        "the steel is to be looked at on purpose"
+    );
     let (points, viewers, lights) = views(&tracer, 8);
     let queries = Queries {
         points: &points,

@@ -1,23 +1,35 @@
-//! Quadratic regression of a cell's radiance, and the cut of a cell that helps it most.
+//! Regression of a cell's radiance, and the cut of a cell that helps it most.
 //!
-//! A quadratic polynomial of the raw columns is fitted by weighted ridge regression in one pass.
-//! It is no match for a net, but it is a thousand times cheaper, and where two polynomials, one
-//! a side, leave much less than one over the whole, two nets do so too: cuts are chosen by it.
+//! A regression is no match for a net, but it is a thousand times cheaper, and where two, one a side,
+//! leave much less than one over the whole, two nets do so too. Neither [`Rule`] is the better
+//! one in all scenes (docs/accuracy.md).
 
 use crate::linalg::Cholesky;
-use ndarray::{Array2, ArrayView2, s};
+use ndarray::{Array2, ArrayView2, Axis, s};
 use rrf_field::columns::{self, Columns};
 
+/// By what a cut is chosen.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
+pub enum Rule {
+    /// Linear functions of log(radiance + ε): how bent the logarithm is along an axis, which is what
+    /// nets with exponential outputs have to follow.
+    Logarithm,
+    /// Quadratic polynomials of the radiance, residuals relative to it: what is not smooth.
+    Relative,
+}
+
 /// A cut of a cell in two.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Cut {
     /// Raw column.
     pub axis: usize,
     /// Rows below it go left.
     pub threshold: f32,
-    /// Mean squared relative residual of one polynomial over the whole cell.
+    /// Mean squared residual of one function over the whole cell.
     pub before: f64,
-    /// The same of one polynomial a side.
+    /// The same of one a side.
     pub after: f64,
 }
 
@@ -34,14 +46,15 @@ const AXES: std::ops::Range<usize> = 0..columns::GEOMETRY;
 const MOST_ROWS: usize = 8192;
 
 /// The cut that removes most, or none where no cut leaves `fewest` rows on both sides.
-/// `halves` and `floor` (ε in radiance) as in [`crate::fit_cell`]; `viewer` says whether cuts
-/// along the viewer's direction can help.
+/// `halves` and `floor` (ε in radiance) as in [`crate::fit_cell`]; where not `glossy`, cuts along the
+/// viewer's direction cannot help, and the base colour is divided out.
 pub fn best_cut(
+    rule: Rule,
     rows: &Columns,
     halves: [&[[f32; 3]]; 2],
     floor: f64,
     fewest: usize,
-    viewer: bool,
+    glossy: bool,
 ) -> Option<Cut> {
     let [a, b] = halves;
     let usable: Vec<usize> = (0..rows.len().min(a.len()).min(b.len()))
@@ -54,11 +67,22 @@ pub fn best_cut(
         return None;
     }
     let axes: Vec<usize> = AXES
-        .filter(|c| viewer || !(columns::V..columns::L).contains(c))
+        .filter(|c| glossy || !(columns::V..columns::L).contains(c))
         .filter(|&c| varies(&rows.columns[c], &usable))
         .collect();
-    let features = features(rows, &usable, &axes);
-    let targets = targets(halves, &usable, floor);
+    let mut features = features(rule, rows, &usable, &axes);
+    let mut targets = targets(rows, halves, &usable, !glossy);
+    let floor = floor.max(f64::MIN_POSITIVE);
+    match rule {
+        Rule::Logarithm => targets.mapv_inplace(|y| (y.max(0.0) + floor).ln()),
+        Rule::Relative => {
+            for (mut f, mut y) in features.rows_mut().into_iter().zip(targets.rows_mut()) {
+                let weight = 1.0 / (y.sum() / 3.0).max(floor);
+                f *= weight;
+                y *= weight;
+            }
+        }
+    }
     let rows_used = usable.len() as f64;
     let mut best: Option<Cut> = None;
     for &axis in &axes {
@@ -127,8 +151,8 @@ fn places(column: &[f32], order: &[usize], fewest: usize) -> Vec<usize> {
     places
 }
 
-/// 1, x_i and x_i x_j of the standardised columns `axes`, shape [rows, terms].
-fn features(rows: &Columns, usable: &[usize], axes: &[usize]) -> Array2<f64> {
+/// 1, the standardised columns `axes` and, for quadratics, their products, shape [rows, terms].
+fn features(rule: Rule, rows: &Columns, usable: &[usize], axes: &[usize]) -> Array2<f64> {
     let n = usable.len() as f64;
     let scaled: Vec<Vec<f64>> = axes
         .iter()
@@ -140,38 +164,37 @@ fn features(rows: &Columns, usable: &[usize], axes: &[usize]) -> Array2<f64> {
             usable.iter().map(|r| (x(r) - mean) * scale).collect()
         })
         .collect();
-    let k = axes.len();
-    let mut f = Array2::ones((usable.len(), 1 + k + k * (k + 1) / 2));
-    for row in 0..usable.len() {
-        for (i, column) in scaled.iter().enumerate() {
-            f[[row, 1 + i]] = column[row];
-        }
-        let mut term = 1 + k;
-        for i in 0..k {
-            for j in i..k {
-                f[[row, term]] = scaled[i][row] * scaled[j][row];
-                term += 1;
-            }
+    let mut terms = vec![vec![1.0; usable.len()]];
+    terms.extend(scaled.iter().cloned());
+    if rule == Rule::Relative {
+        for (i, a) in scaled.iter().enumerate() {
+            let product = |b: &Vec<f64>| a.iter().zip(b).map(|(a, b)| a * b).collect();
+            terms.extend(scaled[i..].iter().map(product));
         }
     }
-    f
+    Array2::from_shape_fn((usable.len(), terms.len()), |(row, term)| terms[term][row])
 }
 
-/// Targets and, in the last column, the weight 1 / max(luminance, floor) of each row.
-fn targets(halves: [&[[f32; 3]]; 2], usable: &[usize], floor: f64) -> Array2<f64> {
-    Array2::from_shape_fn((usable.len(), 4), |(i, c)| {
-        let y = |c: usize| {
-            let r = usable[i];
-            0.5 * (f64::from(halves[0][r][c]) + f64::from(halves[1][r][c]))
-        };
-        match c {
-            3 => 1.0 / ((y(0) + y(1) + y(2)) / 3.0).max(floor.max(f64::MIN_POSITIVE)),
-            _ => y(c),
+/// Radiance, the base colour divided out or not, shape [rows, 3].
+fn targets(
+    rows: &Columns,
+    halves: [&[[f32; 3]]; 2],
+    usable: &[usize],
+    divide_base: bool,
+) -> Array2<f64> {
+    Array2::from_shape_fn((usable.len(), 3), |(i, c)| {
+        let r = usable[i];
+        let y = 0.5 * (f64::from(halves[0][r][c]) + f64::from(halves[1][r][c]));
+        let base = f64::from(rows.columns[columns::BASE + c][r]);
+        if divide_base && base > 0.0 {
+            y / base
+        } else {
+            y
         }
     })
 }
 
-/// Normal equations of some rows: FᵀW²F, FᵀW²Y and tr YᵀW²Y.
+/// Normal equations of some rows: FᵀF, FᵀY and tr YᵀY.
 #[derive(Clone)]
 struct Sums {
     matrix: Array2<f64>,
@@ -201,10 +224,8 @@ impl Sums {
         ends.map(|end| {
             let stretch = &order[first..end];
             first = end;
-            let weight = |i: usize| targets[[stretch[i], 3]];
-            let (k, n) = (features.ncols(), stretch.len());
-            let f = Array2::from_shape_fn((n, k), |(i, j)| features[[stretch[i], j]] * weight(i));
-            let y = Array2::from_shape_fn((n, 3), |(i, c)| targets[[stretch[i], c]] * weight(i));
+            let f = features.select(Axis(0), stretch);
+            let y = targets.select(Axis(0), stretch);
             Sums {
                 matrix: f.t().dot(&f),
                 right: f.t().dot(&y),
@@ -230,8 +251,8 @@ impl Sums {
         }
     }
 
-    /// Squared weighted residuals of the best polynomial, mean of the channels; all of the
-    /// targets' where the equations have no solution.
+    /// Squared residuals of the best function, mean of the channels; all of the targets'
+    /// where the equations have no solution.
     fn residual(&self) -> f64 {
         let explained =
             solve(self.matrix.view(), self.right.view()).map_or(0.0, |x| (&x * &self.right).sum());

@@ -10,9 +10,13 @@ fn rows(n: usize) -> Columns {
     rows
 }
 
-fn cut(rows: &Columns, y: impl Fn(&[f32; columns::COUNT]) -> f32) -> Option<Cut> {
+fn cut_by(rule: Rule, rows: &Columns, y: impl Fn(&[f32; columns::COUNT]) -> f32) -> Option<Cut> {
     let y: Vec<[f32; 3]> = (0..rows.len()).map(|r| [y(&rows.row(r)); 3]).collect();
-    best_cut(rows, [&y, &y], 1e-3, 100, true)
+    best_cut(rule, rows, [&y, &y], 1e-3, 100, true)
+}
+
+fn cut(rows: &Columns, y: impl Fn(&[f32; columns::COUNT]) -> f32) -> Option<Cut> {
+    cut_by(Rule::Logarithm, rows, y)
 }
 
 /// A step in one column: cut there, and nothing is left over.
@@ -25,11 +29,9 @@ fn cuts_at_a_step() {
             *x = if *x < 0.4 { *x } else { *x + 0.1 };
         }
         let cut = cut(&rows, |r| {
-            if r[axis] < 0.45 {
-                1.0 + r[0]
-            } else {
-                3.0 - r[1]
-            }
+            // with ε = 1e-3 added, the logarithms are linear on both sides
+            let log = if r[axis] < 0.45 { r[0] } else { 2.0 - r[1] };
+            log.exp() - 1e-3
         })
         .unwrap();
         assert_eq!(cut.axis, axis);
@@ -42,7 +44,7 @@ fn cuts_at_a_step() {
     }
 }
 
-/// Residuals of the whole equal those of a fit by plain Gram-Schmidt on the weighted terms.
+/// Residuals of the whole equal those of a fit by plain Gram-Schmidt on the terms.
 #[test]
 fn residual_equals_orthogonal_projection() {
     let mut rows = rows(500);
@@ -59,18 +61,15 @@ fn residual_equals_orthogonal_projection() {
     let column = |f: fn(f64, f64, f64) -> f64| -> Vec<f64> {
         let one = |r| {
             let (x, z, y) = value(r);
-            f(x, z, y) / y
+            f(x, z, y)
         };
         (0..500).map(one).collect()
     };
-    let terms: [fn(f64, f64, f64) -> f64; 7] = [
+    let terms: [fn(f64, f64, f64) -> f64; 4] = [
         |_, _, _| 1.0,
         |x, _, _| x,
         |_, z, _| z,
-        |x, _, _| x * x,
-        |x, z, _| x * z,
-        |_, z, _| z * z,
-        |_, _, y| y,
+        |_, _, y| (y + 1e-3).ln(),
     ];
     let mut rest = Vec::new();
     for term in terms {
@@ -92,6 +91,19 @@ fn residual_equals_orthogonal_projection() {
         "{} {expected}",
         found.before
     );
+}
+
+/// Quadratics see past what is smooth; what bends most decides for the logarithm.
+#[test]
+fn each_rule_finds_what_it_looks_for() {
+    let rows = rows(3000);
+    let bent = |r: &[f32; columns::COUNT]| 1.0 + r[0] * r[0] + if r[7] < 0.5 { 0.0 } else { r[1] };
+    let found = cut_by(Rule::Relative, &rows, bent).unwrap();
+    assert_eq!(found.axis, 7);
+    assert!((found.threshold - 0.5).abs() < 0.02, "{found:?}");
+    assert!(found.after < 0.2 * found.before, "{found:?}");
+    let steep = |r: &[f32; columns::COUNT]| (8.0 * r[3] * r[3]).exp();
+    assert_eq!(cut_by(Rule::Logarithm, &rows, steep).unwrap().axis, 3);
 }
 
 #[test]

@@ -1,0 +1,114 @@
+use super::*;
+use crate::plan::one_cell;
+use crate::task::expected_rows;
+use rrf_field::columns;
+use rrf_train::Size;
+use rrf_train::cut::Rule;
+
+/// Each reason to stop at its border, and none beside it.
+#[test]
+fn stops_where_it_should() {
+    let light_box = rrf_extract::LightBox {
+        minimum: [0.0; 3],
+        maximum: [1.0; 3],
+    };
+    let config = BakeConfig {
+        target: 0.05,
+        rounds: 3,
+        ..BakeConfig::preset(crate::Preset::Standard, light_box, 1)
+    };
+    let after = |round: u32, relative_error: f64, relative_error_se: f64| {
+        let plan = RoundPlan {
+            round,
+            ..one_cell(256)
+        };
+        let judgement = Judgement {
+            relative_error,
+            relative_error_se,
+            cells: Vec::new(),
+        };
+        stop(&config, &plan, &judgement)
+    };
+    assert_eq!(after(0, 0.048, 0.001), Some(Stop::Target));
+    assert_eq!(after(0, 0.048, 0.003), None);
+    assert_eq!(after(0, 0.060, 0.031), Some(Stop::Noise));
+    assert_eq!(after(0, 0.060, 0.029), None);
+    assert_eq!(after(1, 0.060, 0.001), None);
+    assert_eq!(after(2, 0.060, 0.001), Some(Stop::Rounds));
+}
+
+fn remedy(action: Action, rows: u32) -> Remedy {
+    Remedy {
+        cell: 0,
+        action,
+        share: 1.0,
+        left: 0.5,
+        seconds: 1.0,
+        rows,
+        paths: 128,
+    }
+}
+
+fn cut() -> Cut {
+    Cut {
+        axis: columns::L,
+        threshold: 0.5,
+        before: 1.0,
+        after: 0.5,
+    }
+}
+
+/// Children take their parent's rows and are filled up to as many each; a second split does
+/// the same to a child, and the plan stays sound.
+#[test]
+fn children_keep_rows_and_get_the_rest() {
+    let mut plan = one_cell(256);
+    plan.round = 1;
+    apply(
+        &mut plan,
+        &remedy(
+            Action::Split {
+                rule: Rule::Logarithm,
+                cut: cut(),
+                left: 0.3,
+            },
+            6000,
+        ),
+        "first".into(),
+    );
+    plan.check().unwrap();
+    assert_eq!(expected_rows(&plan), [6000, 6000]);
+    let measures: Vec<f64> = plan.cells.iter().map(|c| c.measure).collect();
+    assert_eq!(measures, [0.3, 0.7]);
+    assert_eq!(plan.cells[1].parts[0].from, Some([0, 0]));
+    let from = |cell: usize| plan.cells[cell].earlier.clone().unwrap();
+    assert_eq!(from(0), from(1));
+    assert_eq!((from(0).round, from(0).task.as_str()), (0, "first"));
+    plan.round = 2;
+    apply(&mut plan, &remedy(Action::More, 6000), "second".into());
+    plan.check().unwrap();
+    assert_eq!(expected_rows(&plan), [12_000, 6000]);
+    assert_eq!((plan.cells[0].fitted, plan.cells[1].fitted), (2, 1));
+    let from = plan.cells[0].earlier.clone().unwrap();
+    assert_eq!(
+        (from.round, from.cell, from.task.as_str()),
+        (1, 0, "second")
+    );
+    let parts: Vec<u32> = plan.cells[0].parts.iter().map(|p| p.part).collect();
+    assert_eq!(parts, [1, 2, 3], "numbers of parts are never used twice");
+}
+
+#[test]
+fn a_larger_net_draws_nothing() {
+    let mut plan = one_cell(256);
+    plan.round = 1;
+    let size = Size::Hidden(vec![32, 16]);
+    apply(
+        &mut plan,
+        &remedy(Action::Grow(size.clone()), 0),
+        "first".into(),
+    );
+    plan.check().unwrap();
+    assert_eq!((plan.draws.len(), &plan.cells[0].size), (1, &size));
+    assert_eq!(plan.cells[0].fitted, 1);
+}
