@@ -89,9 +89,10 @@ pub(crate) fn train_memory(rows: u64) -> u64 {
     BASE + rows * TRAINED_ROW
 }
 
-/// The same with the rows in a file: a part as it is read, windows of the file, and what stays in
+/// The same with the rows in a file: windows of it and a part as it is read, and then what stays in
 /// memory of every row.
 pub(crate) fn spilled_memory(rows: u64) -> u64 {
     let part = rows.min(u64::from(MOST_ROWS)) * READ_ROW;
-    train_memory(rows).min(BASE + part + spill::WINDOWS + rows * spill::HELD_ROW)
+    let held = (part + rows * spill::ORDERED_ROW).max(rows * spill::HELD_ROW);
+    train_memory(rows).min(BASE + spill::WINDOWS + held)
 }

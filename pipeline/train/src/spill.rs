@@ -15,10 +15,11 @@ use std::fs::File;
 use std::io;
 use std::rc::Rc;
 
-/// Bytes a row that stay in memory, at the most: of a training row its divisor, its weight, the
-/// checkpoint's copy of that and its error, of a validation row less; while the file is written its
-/// key, its number and its place.
-pub const HELD_ROW: u64 = 32;
+/// Bytes a row while the file is written: its key, its number and its place.
+pub const ORDERED_ROW: u64 = 16;
+/// Bytes a row that stay in memory afterwards: of a training row its divisor, its weight and a
+/// checkpoint's copy of that, of a validation row less.
+pub const HELD_ROW: u64 = 24;
 /// Bytes that windows of rows take, whatever their number.
 pub const WINDOWS: u64 = 8 << 20;
 
