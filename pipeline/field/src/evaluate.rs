@@ -230,7 +230,8 @@ fn check(cell: usize, model: &CellModel) -> Result<(), &'static str> {
     let sizes = &model.shape.sizes;
     let fault = if model.cell as usize != cell {
         "it names another cell"
-    } else if sizes.len() < 2 || sizes.contains(&0) {
+    } else if sizes.len() < 2 || sizes[1..].contains(&0) {
+        // no inputs: a cell that is one colour all over
         "its net has no layer or an empty one"
     } else if sizes.last() != Some(&3) {
         "its net does not have 3 outputs"

@@ -71,13 +71,15 @@ fn field(cells: usize, inputs: &[u8], hidden: &[usize], seed: u64) -> Field {
 fn batched_equals_scalar() {
     let all: Vec<u8> = (0..25).collect();
     let shuffled = [24, 3, 9, 18, 0, 22, 7, 12, 21, 1, 10];
-    let cases: [(&[u8], &[usize]); 6] = [
+    let cases: [(&[u8], &[usize]); 7] = [
         (&all[..12], &[20, 10]),
         (&all, &[40, 20]),
         (&shuffled, &[13, 7, 5]),
         (&all[..9], &[1]),
         (&all[..3], &[]),
         (&[24], &[3, 2]),
+        // one colour all over
+        (&[], &[]),
     ];
     for (case, (inputs, hidden)) in cases.into_iter().enumerate() {
         let field = field(9, inputs, hidden, 100 + case as u64);
@@ -238,12 +240,13 @@ fn many_lights_are_the_sum_of_single_ones() {
 fn lights_equal_scalar() {
     let all: Vec<u8> = (0..25).collect();
     let shuffled = [24, 3, 9, 18, 0, 22, 7, 12, 21, 1, 10];
-    let cases: [(&[u8], &[usize]); 5] = [
+    let cases: [(&[u8], &[usize]); 6] = [
         (&all[..12], &[20, 10]),
         (&all, &[40, 20]),
         (&shuffled, &[13, 7, 5]),
         (&[9, 10, 11], &[5]),
         (&all[..3], &[]),
+        (&[], &[]),
     ];
     for (case, (inputs, hidden)) in cases.into_iter().enumerate() {
         let field = field(9, inputs, hidden, 300 + case as u64);

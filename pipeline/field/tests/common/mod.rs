@@ -67,7 +67,7 @@ pub fn model(cell: u32, inputs: &[u8], hidden: &[usize], numbers: &mut Numbers) 
     let shape = Shape { sizes };
     let mut weights = Vec::new();
     for pair in shape.sizes.windows(2) {
-        let spread = (3.0 / pair[0] as f32).sqrt();
+        let spread = (3.0 / pair[0].max(1) as f32).sqrt();
         weights.extend((0..(pair[0] + 1) * pair[1]).map(|_| spread * numbers.next()));
     }
     CellModel {

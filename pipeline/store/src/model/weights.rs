@@ -197,7 +197,9 @@ fn fault(cell: &CellModel) -> Option<String> {
     if let Some(input) = cell.inputs.iter().find(|&&i| i as usize >= INPUTS.len()) {
         return Some(format!("input {input} is not known"));
     }
-    if sizes.len() < 2 || sizes.contains(&0) || sizes.last() != Some(&3) {
+    // a cell that is one colour all over has a net of no inputs: its mean
+    let hidden = sizes.get(1..).unwrap_or_default();
+    if sizes.len() < 2 || hidden.contains(&0) || sizes.last() != Some(&3) {
         return Some(format!("layers {sizes:?} are not inputs, hidden units, 3"));
     }
     let lengths = [count, cell.input_offset.len(), cell.input_scale.len()];
