@@ -17,7 +17,8 @@ from accuracy import SCENES
 HERE = Path(__file__).resolve().parent
 PLACE, NORMAL, VIEWER = ["px", "py", "pz"], ["nx", "ny", "nz"], ["vx", "vy", "vz"]
 LIGHT, TOWARD, DISTANCE = ["lx", "ly", "lz"], ["dx", "dy", "dz"], ["inv_distance"]
-ALL = PLACE + NORMAL + VIEWER + LIGHT + TOWARD + DISTANCE
+MATERIAL = ["base_r", "base_g", "base_b", "roughness", "metallic", "specular"]
+ALL = PLACE + NORMAL + VIEWER + LIGHT + MATERIAL + TOWARD + DISTANCE
 
 
 def without(group):
@@ -30,6 +31,7 @@ PARTS = {
     "no direction to the light": without(TOWARD),
     "no distance to the light": without(DISTANCE),
     "no normal": without(NORMAL),
+    "no material": without(MATERIAL),
 }
 
 

@@ -6,11 +6,9 @@
 
 use crate::error::BakeError;
 use crate::judge::CellJudgement;
-use crate::plan::RoundPlan;
+use crate::plan::{CellPlan, RoundPlan};
 use crate::remedy::{Action, Kind, Remedy};
 use crate::run::Run;
-use rrf_field::tree::Tree;
-use rrf_train::cut::Cut;
 use std::collections::BTreeMap;
 
 /// Rounds that count.
@@ -52,24 +50,33 @@ impl Experience {
 
     /// A round: what it did, what had been said, and what came of it.
     fn add(&mut self, plan: &RoundPlan, said: &[Remedy], judged: &[CellJudgement]) {
-        let mut treated: BTreeMap<u32, (Vec<u32>, f64)> = BTreeMap::new();
-        for (cell, after) in plan.cells.iter().zip(judged) {
-            let from = cell.earlier.as_ref().filter(|_| cell.fitted == plan.round);
-            if let Some(from) = from {
+        let cuts = plan.tree.last_cuts();
+        let mut said_of: BTreeMap<u32, Vec<&Remedy>> = BTreeMap::new();
+        for remedy in said {
+            said_of.entry(remedy.cell).or_default().push(remedy);
+        }
+        // by the cell that was treated: what it became, and what is left of its error
+        let mut treated: BTreeMap<u32, (Vec<&CellPlan>, f64)> = BTreeMap::new();
+        for after in judged {
+            let cell = plan.cells.get(after.cell as usize);
+            let now = cell.filter(|cell| cell.fitted == plan.round);
+            if let Some((cell, from)) = now.and_then(|c| Some((c, c.earlier.as_ref()?))) {
                 let (cells, left) = treated.entry(from.cell).or_default();
-                cells.push(cell.cell);
+                cells.push(cell);
                 *left += after.measure * after.square_error;
             }
         }
         for (cell, (cells, left)) in treated {
-            let size = plan.cells.get(cells[0] as usize).map(|c| &c.size);
-            let done = |action: &Action| match action {
-                Action::Split { cut, .. } => cells.len() == 2 && was_cut(&plan.tree, cells[0], cut),
-                Action::Grow(larger) => Some(larger) == size,
-                Action::More => cells.len() == 1,
+            let done_so = |action: &Action| match (action, cells.as_slice()) {
+                (Action::Split { cut, .. }, [one, _]) => {
+                    cuts.get(one.cell as usize) == Some(&Some((cut.axis, cut.threshold)))
+                }
+                (Action::Grow(larger), [one]) => one.size == *larger,
+                (Action::More, [_]) => true,
+                _ => false,
             };
-            let of_cell = said.iter().filter(|r| r.cell == cell && done(&r.action));
-            let mut done: Vec<&Remedy> = of_cell.collect();
+            let mut done: Vec<&Remedy> = said_of.remove(&cell).unwrap_or_default();
+            done.retain(|r| done_so(&r.action));
             // a larger net also is one cell; a cut that two rules meant counts for both
             if done.iter().any(|r| matches!(r.action, Action::Grow(_))) {
                 done.retain(|r| r.action != Action::More);
@@ -94,22 +101,12 @@ impl Experience {
     }
 }
 
-/// Whether a cell is one side of this cut.
-fn was_cut(tree: &Tree, cell: u32, cut: &Cut) -> bool {
-    let leaf = tree.leaves().get(cell as usize).copied();
-    let above = leaf.and_then(|leaf| tree.parent(leaf));
-    above.is_some_and(|above| {
-        let axis = usize::try_from(tree.axis[above]);
-        axis == Ok(cut.axis) && tree.threshold[above] == cut.threshold
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::plan::{Earlier, one_cell};
     use rrf_train::Size;
-    use rrf_train::cut::Rule;
+    use rrf_train::cut::{Cut, Rule};
 
     fn remedy(cell: u32, action: Action, left: f64) -> Remedy {
         Remedy {
@@ -144,7 +141,7 @@ mod tests {
     fn holds_what_was_left_against_what_was_said() {
         let mut plan = one_cell(64);
         plan.round = 1;
-        let cell = |id: u32, from: u32, size: &[usize]| crate::plan::CellPlan {
+        let cell = |id: u32, from: u32, size: &[usize]| CellPlan {
             cell: id,
             fitted: 1,
             size: Size::Hidden(size.to_vec()),
@@ -161,7 +158,7 @@ mod tests {
             cell(1, 1, small),
             cell(2, 2, &[32, 16]),
             cell(3, 0, small),
-            crate::plan::CellPlan {
+            CellPlan {
                 fitted: 0,
                 ..cell(4, 4, small)
             },
@@ -190,8 +187,9 @@ mod tests {
                     .map(move |(action, left)| remedy(c, action, left))
             })
             .collect();
-        let after = [0.8, 2.0, 4.0, 1.2, 9.0];
-        let after: Vec<CellJudgement> = (0..).zip(after).map(|(c, e)| judged(c, e)).collect();
+        // in any order: a cell without rows to judge it by is not among them
+        let after = [(4, 9.0), (2, 4.0), (0, 0.8), (1, 2.0), (3, 1.2)];
+        let after = after.map(|(c, e)| judged(c, e));
         let mut all = Experience::default();
         all.add(&plan, &said, &after);
         let of_rule = |rule| all.sums.get(&Kind::Split(rule));

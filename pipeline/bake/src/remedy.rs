@@ -3,7 +3,7 @@
 //! The squared error of a cell is taken for the sum of two: what its net cannot follow even on
 //! the rows it learned from (*fit*, the error on the training rows) and what the rows did not
 //! tell it (*gap*, the rest). What a remedy leaves of either was measured (docs/accuracy.md); where
-//! to cut a cell, linear regression says ([`best_cut`]).
+//! to cut a cell, regression says ([`best_cut`]).
 
 use crate::config::BakeConfig;
 use crate::cost;

@@ -93,11 +93,33 @@ pub(crate) fn budget(
             cost::train_seconds(rows, &cell.size, &run.config.train, warm)
         })
         .sum();
-    let free = CAREFUL * left.as_secs_f64();
-    Ok(Some((drawn + trained) * free / (took.extract + took.train)))
+    Ok(Some(affordable(drawn + trained, &took, left)))
+}
+
+/// What fits into the time left where `said` seconds took as long as they did.
+fn affordable(said: f64, took: &Seconds, left: Duration) -> f64 {
+    said * CAREFUL * left.as_secs_f64() / (took.extract + took.train)
 }
 
 /// Where the file lies.
 pub(crate) fn path(run: &Run, round: u32) -> PathBuf {
     round_folder(&run.folder, round).join("seconds.json")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten seconds said that took five: in the 20 left, 40 of them but for the margin.
+    #[test]
+    fn a_round_is_measured_by_the_one_before() {
+        let took = Seconds {
+            extract: 4.0,
+            train: 1.0,
+            judge: 7.0,
+        };
+        let fits = affordable(10.0, &took, Duration::from_secs(20));
+        assert!((fits - CAREFUL * 40.0).abs() < 1e-12, "{fits}");
+        assert_eq!(affordable(10.0, &took, Duration::ZERO), 0.0);
+    }
 }

@@ -24,3 +24,12 @@ pub use first_tree::{Weights, cut};
 pub use outlook::{Lookout, Looks, Outlook};
 pub use planning::{CellShare, FirstPlan, plan};
 pub use stage::{Draw, Drawn, extract};
+
+/// The Cornell box without its lamp, for tests.
+#[cfg(test)]
+fn cornell() -> rrf_scene::Scene {
+    let file = "../../scenes/cornell-box/scene.pbrt";
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    let scene = rrf_scene::load(&path, &rrf_scene::LoadOptions::default());
+    scene.unwrap().unlit()
+}

@@ -149,14 +149,7 @@ fn sphere(i: u32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rrf_scene::{LoadOptions, load};
-    use std::path::Path;
-
-    fn cornell() -> Scene {
-        let file = "../../scenes/cornell-box/scene.pbrt";
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
-        load(&path, &LoadOptions::default()).unwrap().unlit()
-    }
+    use crate::cornell;
 
     /// Corner and two edges of a footprint (x, z), and a height.
     type Solid = ([f32; 2], [f32; 2], [f32; 2], f32);

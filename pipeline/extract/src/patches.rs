@@ -165,15 +165,8 @@ fn sides(scene: &Scene, triangle: u32, domain: &Domain) -> [bool; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rrf_scene::{LoadOptions, load};
+    use crate::cornell;
     use rrf_trace::{Stream, Tracer};
-    use std::path::Path;
-
-    fn cornell() -> Scene {
-        let file = "../../scenes/cornell-box/scene.pbrt";
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
-        load(&path, &LoadOptions::default()).unwrap().unlit()
-    }
 
     fn domain(low: Vec3, high: Vec3) -> Domain {
         let mut domain = Domain::ALL;

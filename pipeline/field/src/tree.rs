@@ -166,12 +166,21 @@ impl Tree {
         leaves
     }
 
-    /// The node above a node, none above the root.
-    pub fn parent(&self, node: usize) -> Option<usize> {
-        let above = |n: &usize| {
-            self.axis[*n] != LEAF && [0, 1].contains(&(node.wrapping_sub(self.left[*n] as usize)))
-        };
-        (0..self.axis.len()).find(above)
+    /// The cut that made each cell: column and position; none where the root is the cell.
+    pub fn last_cuts(&self) -> Vec<Option<(usize, f32)>> {
+        let mut cuts = vec![None; self.cells()];
+        for node in 0..self.axis.len() {
+            let Ok(axis) = usize::try_from(self.axis[node]) else {
+                continue;
+            };
+            for child in [0, 1].map(|side| self.left[node] as usize + side) {
+                let cell = self.cell.get(child).map(|&cell| cell as usize);
+                if let Some(cut) = cell.and_then(|cell| cuts.get_mut(cell)) {
+                    *cut = Some((axis, self.threshold[node]));
+                }
+            }
+        }
+        cuts
     }
 
     /// Turns the leaf `node` into a split and returns its children's node ids.
@@ -195,6 +204,19 @@ impl Tree {
 mod tests {
     use super::*;
     use crate::rng::{Stage, Stream};
+
+    #[test]
+    fn each_cell_knows_the_cut_that_made_it() {
+        let mut tree = Tree::single();
+        assert_eq!(tree.last_cuts(), [None]);
+        let [left, _] = tree.split(0, 3, 0.5, 1);
+        assert_eq!(tree.last_cuts(), [Some((3, 0.5)); 2]);
+        tree.split(left, 9, 0.25, 2);
+        assert_eq!(
+            tree.last_cuts(),
+            [Some((9, 0.25)), Some((3, 0.5)), Some((9, 0.25))]
+        );
+    }
 
     /// A random tree: every row lies in the box of the cell that the walk finds, and in no other.
     #[test]

@@ -96,8 +96,9 @@ pub struct TrainConfig {
     pub mode: Mode,
     /// Weight decay.
     pub decay: Decay,
-    /// Nets that start from different first weights; a fit that goes on from an earlier net is one. The best go on from rung to rung, half as many
-    /// at each, one on all rows; without rungs all run to the end.
+    /// Nets that start from different first weights; a fit that goes on from an earlier net is one.
+    /// The best go on from rung to rung, half as many at each, one on all rows; without rungs all
+    /// run to the end.
     pub starts: usize,
     /// Legs on a part of the rows before the one on all: the last on half of them, the one
     /// before on a quarter, and so on.

@@ -112,3 +112,14 @@ fn a_larger_net_draws_nothing() {
     assert_eq!((plan.draws.len(), &plan.cells[0].size), (1, &size));
     assert_eq!(plan.cells[0].fitted, 1);
 }
+
+/// A budget takes remedies in their order while they fit, and one in any case.
+#[test]
+fn a_budget_takes_what_fits() {
+    let five = vec![remedy(Action::More, 1); 5];
+    let taken = |budget| within(five.clone(), budget).len();
+    assert_eq!([None, Some(9.0), Some(5.0)].map(taken), [5; 3]);
+    assert_eq!([Some(4.9), Some(1.0)].map(taken), [4, 1]);
+    assert_eq!([Some(0.5), Some(0.0), Some(-1.0)].map(taken), [1; 3]);
+    assert!(within(Vec::new(), Some(1.0)).is_empty());
+}

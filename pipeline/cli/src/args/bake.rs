@@ -21,11 +21,12 @@ pub struct BakeArgs {
     pub settings: BakeSettings,
 }
 
-/// What a bake may take; what it makes does not depend on it, but for how many rounds.
+/// What a bake may take; what it makes does not depend on it, but for how many rounds and how much of
+/// the last.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Bounds {
     /// Begin no more work after this many seconds: the last round takes what should fit, and the model
-    /// of the last whole round stands
+    /// of the last whole round stands.
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub time_limit: Option<f32>,
     /// Memory that the work in hand may need: fewer tasks side by side.

@@ -91,9 +91,13 @@ pub fn tree() -> ModelTree {
 }
 
 pub fn cell_model(cell: u32) -> CellModel {
-    let inputs: Vec<u8> = vec![0, 1, 2, 6, 7, 8, 9, 10, 11, 18, 19, 20, 21];
+    // the last one is one colour all over
+    let (inputs, hidden): (Vec<u8>, &[usize]) = match cell {
+        2 => (Vec::new(), &[]),
+        _ => (vec![0, 1, 2, 6, 7, 8, 9, 10, 11, 18, 19, 20, 21], &[6, 4]),
+    };
     let shape = Shape {
-        sizes: vec![inputs.len(), 6, 4, 3],
+        sizes: [&[inputs.len()], hidden, &[3]].concat(),
     };
     let number = |i: usize| unit(u64::from(cell) * 100_000 + i as u64) - 0.5;
     CellModel {
