@@ -80,7 +80,7 @@ pub fn decide(
     }
     let possible = remedies(run, plan, judgement)?;
     let experience = Experience::of(run, plan, &judgement.cells)?;
-    let remedies = chosen(run, judgement, &possible, &experience);
+    let remedies = chosen(&run.config, judgement, &possible, &experience);
     let mut remedies = within(remedies, budget);
     if remedies.is_empty() {
         return Ok((Next::Stop(Stop::NothingToSplit), possible));
@@ -157,12 +157,12 @@ type Gain<'a> = (f64, &'a Remedy);
 
 /// The remedies that the round takes: one a cell, those of most gain a second first.
 fn chosen(
-    run: &Run,
+    config: &BakeConfig,
     judgement: &Judgement,
     remedies: &[Remedy],
     experience: &Experience,
 ) -> Vec<Remedy> {
-    let mut room = (run.config.most_cells as usize).saturating_sub(judgement.cells.len());
+    let mut room = (config.most_cells as usize).saturating_sub(judgement.cells.len());
     let rate = |&(gain, remedy): &Gain| gain / remedy.seconds.max(f64::MIN_POSITIVE);
     let mut best: BTreeMap<u32, Gain> = BTreeMap::new();
     for remedy in remedies {
@@ -179,7 +179,7 @@ fn chosen(
     let mut best: Vec<Gain> = best.into_values().collect();
     best.sort_by(|a, b| rate(b).total_cmp(&rate(a)).then(a.1.cell.cmp(&b.1.cell)));
     let possible: f64 = best.iter().map(|(gain, _)| gain).sum();
-    let sought = AIM * f64::from(run.config.target).min(judgement.relative_error);
+    let sought = AIM * f64::from(config.target).min(judgement.relative_error);
     let wanted = (SHARE * possible).min(judgement.relative_error.powi(2) - sought.powi(2));
     let mut gained = 0.0;
     let mut taken = Vec::new();

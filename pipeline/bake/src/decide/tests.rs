@@ -123,3 +123,54 @@ fn a_budget_takes_what_fits() {
     assert_eq!([Some(0.5), Some(0.0), Some(-1.0)].map(taken), [1; 3]);
     assert!(within(Vec::new(), Some(1.0)).is_empty());
 }
+
+/// Of each cell what gains most a second, the best cells first, until half of what could be gained
+/// is; no more cells than allowed.
+#[test]
+fn most_gain_a_second_first() {
+    let light_box = rrf_extract::LightBox {
+        minimum: [0.0; 3],
+        maximum: [1.0; 3],
+    };
+    let config = |most_cells| BakeConfig {
+        target: 0.01,
+        most_cells,
+        ..BakeConfig::preset(crate::Preset::Standard, light_box, 1)
+    };
+    let judgement = Judgement {
+        relative_error: 1.0,
+        relative_error_se: 0.0,
+        cells: Vec::new(),
+    };
+    let split = || Action::Split {
+        rule: Rule::Logarithm,
+        cut: cut(),
+        left: 0.5,
+    };
+    let of = |cell, action, left, seconds| Remedy {
+        cell,
+        left,
+        seconds,
+        ..remedy(action, 10)
+    };
+    let said = [
+        of(0, split(), 0.6, 2.0),
+        of(0, Action::More, 0.7, 2.0),
+        of(1, split(), 0.5, 1.0),
+        of(1, Action::More, 0.5, 1.0),
+        of(2, split(), 0.9, 0.1),
+        of(3, Action::More, 1.1, 0.1),
+    ];
+    let taken = |most_cells| -> Vec<(u32, bool)> {
+        let nothing = Experience::default();
+        let taken = chosen(&config(most_cells), &judgement, &said, &nothing);
+        let split = |r: &Remedy| matches!(r.action, Action::Split { .. });
+        taken.iter().map(|r| (r.cell, split(r))).collect()
+    };
+    // gains 0.4, 0.5 and 0.1: half of 1.0 is reached by the two of the best rates a second
+    assert_eq!(taken(9), [(2, true), (1, true)]);
+    // room for one more cell, which the best takes: the other splits have to wait
+    assert_eq!(taken(1), [(2, true)]);
+    // room for none
+    assert_eq!(taken(0), [(1, false)]);
+}
