@@ -60,7 +60,7 @@ print(answers.num_rows, "points,", len(weights), "nets,", sum(len(w) for w in we
 # %%
 def evaluate(net, rows):
     known = rt.nets.inputs(rows)  # raw columns, and the derived ones that schemas/weights.toml names
-    h = np.stack([known[name] for name in net["inputs"]], 1)
+    h = np.reshape([known[name] for name in net["inputs"]], (len(net["inputs"]), rows.num_rows)).T
     h = (h - net["input_offset"]) * net["input_scale"]
     flat, layers = np.array(net["weights"]), net["layers"]
     for k, (fan_in, units) in enumerate(zip(layers, layers[1:])):
@@ -142,7 +142,8 @@ for net in weights.to_pylist():
     here = leaf == net["cell_id"]
     part = rows.filter(here)
     known = rt.nets.inputs(part)
-    h = (np.stack([known[n] for n in net["inputs"]], 1) - net["input_offset"]) * net["input_scale"]
+    h = np.reshape([known[n] for n in net["inputs"]], (len(net["inputs"]), part.num_rows)).T
+    h = (h - net["input_offset"]) * net["input_scale"]
     flat, layers = np.array(net["weights"]), net["layers"]
     largest.append(abs(flat).max())
     for fan_in, units in zip(layers[:-2], layers[1:-1]):

@@ -23,7 +23,7 @@ def inputs(rows):
 def evaluate(net, rows):
     """Indirect radiance, shape [rows, 3]; net is one row of weights.arrow as a dict."""
     known = inputs(rows)
-    h = np.stack([known[name] for name in net["inputs"]], 1)
+    h = np.reshape([known[name] for name in net["inputs"]], (len(net["inputs"]), rows.num_rows)).T
     h = (h - net["input_offset"]) * net["input_scale"]
     w, layers = np.array(net["weights"]), net["layers"]
     for k, (a, b) in enumerate(zip(layers, layers[1:])):
