@@ -12,11 +12,21 @@ fn bake<'a>(scene: &'a str, run: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 }
 
 #[test]
-fn light_box_outside_the_scene() {
+fn boxes_of_lights_and_eyes_without_use() {
     let (place, scene) = (Place::new(), cornell());
     let run = place.name("run");
     let call = ["bake", &scene, "-o", &run, "--light-box", "5,5,5,6,6,6"];
-    refused(&call, &["5,5,5,6,6,6", "outside the scene", "bounds"]);
+    refused(
+        &call,
+        &["light box 5,5,5,6,6,6", "outside the scene", "bounds"],
+    );
+    for (eye_box, why) in [
+        ("5,5,5,6,6,6", "outside the scene"),
+        ("0.3,0.2,0.3,0.35,0.3,0.35", "inside a solid"),
+    ] {
+        let call = bake(&scene, &run, &["--eye-box", eye_box]);
+        refused(&call, &["eye box", eye_box, why]);
+    }
     assert!(place.holds(&[]), "a refused bake left something");
     // so the corrected call needs no --resume
     bake_tiny(&scene, &run, &[]);

@@ -21,5 +21,5 @@ pub fn bake(
     let run = Run::create(run, scene, config, resume)?;
     let scene = scene.unlit();
     let tracer = Tracer::new(&scene)?;
-    rounds(&run, &Site::new(&scene, &tracer), watch)
+    rounds(&run, &Site::new(&scene, &tracer, &run.config)?, watch)
 }

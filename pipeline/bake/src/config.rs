@@ -55,6 +55,7 @@ impl BakeConfig {
             most_cells,
             extract: ExtractConfig {
                 light_box,
+                eye_box: None,
                 seed,
                 candidates: 65_536,
                 cells,

@@ -9,6 +9,7 @@ use crate::judge::Judgement;
 use crate::plan::RoundPlan;
 use crate::remedy::Remedy;
 use crate::task::{chapters, task_rows};
+use crate::work::Site;
 use rrf_extract::ExtractError;
 use rrf_scene::Scene;
 use rrf_store::StoreError;
@@ -17,6 +18,7 @@ use rrf_store::layout::{chapter_path, model_folder, round_folder, task_table_pat
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
 use rrf_store::parts::remove_part;
 use rrf_store::task_table::write_tasks;
+use rrf_trace::Tracer;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -74,6 +76,10 @@ impl Run {
             let found = Run::open(folder)?;
             found.expect_same(&manifest)?;
             return Ok(found);
+        }
+        if config.extract.eye_box.is_some() {
+            let scene = scene.unlit();
+            Site::new(&scene, &Tracer::new(&scene)?, config)?;
         }
         manifest.write(folder)?;
         Ok(Run {

@@ -9,6 +9,7 @@ use crate::error::BakeError;
 use crate::job::{Boxes, CHAPTER, Chapter, Entry, OfCell, Shared};
 use crate::plan::{CellPlan, DrawPlan, Earlier, PartPlan, RoundPlan};
 use crate::run::Run;
+use rrf_extract::LightBox;
 use rrf_store::layout::fit_folder;
 use rrf_store::task_table::TaskRow;
 use rrf_store::{model, parts};
@@ -185,6 +186,8 @@ struct PartInput<'a> {
     scene: &'a str,
     seed: u64,
     light_box: [f32; 6],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    eye_box: Option<LightBox>,
     stream: u32,
     draw: &'a DrawPlan,
     /// The cell's box and the draw's.
@@ -217,6 +220,7 @@ fn part_hash(
         scene: &run.manifest.scene_hash,
         seed: run.manifest.seed,
         light_box: run.manifest.light_box,
+        eye_box: run.config.extract.eye_box,
         stream: part.draw,
         draw,
         boxes: [cell.leaf.bits(), bounds.bits()],

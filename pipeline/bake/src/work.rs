@@ -1,12 +1,13 @@
 //! How a task is done.
 
+use crate::config::BakeConfig;
 use crate::error::BakeError;
 use crate::fitting;
 use crate::job::Job;
 use crate::plan::{CellPlan, MOST_ROWS, PartPlan, RoundPlan};
 use crate::run::Run;
 use crate::task::{Stage, Task};
-use rrf_extract::{Draw, Lookout};
+use rrf_extract::{Draw, Eyes, Lookout};
 use rrf_field::tree::Domain;
 use rrf_scene::Scene;
 use rrf_store::layout::{list_parts, part_path};
@@ -20,16 +21,27 @@ pub struct Site<'a> {
     scene: &'a Scene,
     tracer: &'a Tracer<'a>,
     lookout: Lookout<'a>,
+    eyes: Option<Eyes>,
 }
 
 impl<'a> Site<'a> {
-    /// Of a scene without its own lights.
-    pub fn new(scene: &'a Scene, tracer: &'a Tracer<'a>) -> Site<'a> {
-        Site {
+    /// Of a scene without its own lights, and the settings of its bake.
+    ///
+    /// # Errors
+    /// Where no eye has a place to look from.
+    pub fn new(
+        scene: &'a Scene,
+        tracer: &'a Tracer<'a>,
+        config: &BakeConfig,
+    ) -> Result<Site<'a>, BakeError> {
+        let lookout = Lookout::new(scene, tracer);
+        let eyes = config.extract.eye_box.map(|b| b.eyes(&lookout));
+        Ok(Site {
             scene,
             tracer,
-            lookout: Lookout::new(scene, tracer),
-        }
+            eyes: eyes.transpose()?,
+            lookout,
+        })
     }
 
     /// The scene.
@@ -132,6 +144,7 @@ fn drawn(
         site.scene,
         site.tracer,
         &site.lookout,
+        site.eyes.as_ref(),
         light_box,
         run.manifest.seed,
         &draw,

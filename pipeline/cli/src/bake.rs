@@ -46,7 +46,7 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     )?;
     let scene = scene.unlit();
     let tracer = Tracer::new(&scene)?;
-    let site = Site::new(&scene, &tracer);
+    let site = Site::new(&scene, &tracer, &run.config)?;
     let first = rrf_bake::first_plan(&run, &site)?;
     let plan = rrf_bake::standing(&run)?.todo.unwrap_or(first);
     let only = (!args.cell.is_empty()).then_some(args.cell.as_slice());
@@ -123,10 +123,7 @@ const GLOBAL_NET: [usize; 2] = [32, 16];
 /// The settings that the arguments mean.
 pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractError> {
     let light_box = match args.light_box {
-        Some([x0, y0, z0, x1, y1, z1]) => LightBox {
-            minimum: [x0, y0, z0],
-            maximum: [x1, y1, z1],
-        },
+        Some(corners) => boxed(corners),
         None => middle(scene)?,
     };
     let preset = match args.preset {
@@ -136,6 +133,7 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractE
     };
     let options = scene::options(&args.scene_options);
     let mut config = BakeConfig::preset(preset, light_box, args.seed);
+    config.extract.eye_box = args.eye_box.map(boxed);
     config.target = args.target;
     config.default_albedo = options.default_albedo;
     config.light_units = options.light_units;
@@ -170,6 +168,13 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractE
     Ok(config)
 }
 
+fn boxed([x0, y0, z0, x1, y1, z1]: [f32; 6]) -> LightBox {
+    LightBox {
+        minimum: [x0, y0, z0],
+        maximum: [x1, y1, z1],
+    }
+}
+
 /// The middle 80 % of the scene's bounds on each axis.
 fn middle(scene: &Scene) -> Result<LightBox, ExtractError> {
     let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
@@ -188,12 +193,16 @@ fn middle(scene: &Scene) -> Result<LightBox, ExtractError> {
 fn print_census(census: &Census) {
     println!(
         "candidates: {} accepted; left out: {} lights inside solids, {} points inside solids, \
-         {} points that see nothing, {} on black surfaces",
+         {} points that see nothing, {} on black surfaces{}",
         census.accepted,
         census.light_in_solid,
         census.point_in_solid,
         census.sees_nothing,
-        census.black
+        census.black,
+        match census.unseen {
+            0 => String::new(),
+            unseen => format!(", {unseen} that no eye sees"),
+        }
     );
 }
 

@@ -43,6 +43,7 @@ struct Bake {
 #[serde(deny_unknown_fields)]
 struct Settings {
     light_box: Option<[f32; 6]>,
+    eye_box: Option<[f32; 6]>,
     target: Option<f32>,
     seeds: Option<Vec<u64>>,
     preset: Option<String>,
@@ -223,6 +224,7 @@ fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettin
     }
     Ok(BakeSettings {
         light_box: own.light_box.or(defaults.light_box),
+        eye_box: own.eye_box.or(defaults.eye_box),
         target,
         seed,
         preset,
@@ -246,7 +248,7 @@ fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettin
 fn preview(job: &Job) -> anyhow::Result<()> {
     let scene = job.scene.unlit();
     let tracer = Tracer::new(&scene)?;
-    let tasks = rrf_bake::first_tasks(&job.config, &Site::new(&scene, &tracer))?;
+    let tasks = rrf_bake::first_tasks(&job.config, &Site::new(&scene, &tracer, &job.config)?)?;
     let seconds: f64 = tasks.iter().map(|task| task.seconds).sum();
     let memory = tasks.iter().map(|task| task.memory).max().unwrap_or(0);
     println!(

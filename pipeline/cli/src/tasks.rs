@@ -27,7 +27,7 @@ pub fn plan(args: &PlanArgs) -> anyhow::Result<()> {
             )?;
             let scene = scene.unlit();
             let tracer = Tracer::new(&scene)?;
-            rrf_bake::first_plan(&run, &Site::new(&scene, &tracer))?;
+            rrf_bake::first_plan(&run, &Site::new(&scene, &tracer, &run.config)?)?;
             run
         }
         None => Run::open(place.folder())?,
@@ -113,7 +113,7 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
         Stage::Extract => {
             let scene = run.load_scene()?.unlit();
             let tracer = Tracer::new(&scene)?;
-            let site = Site::new(&scene, &tracer);
+            let site = Site::new(&scene, &tracer, &run.config)?;
             rrf_bake::perform_job(&run, &job, Some(&site), args.memory)?;
         }
         Stage::Train => match rrf_bake::perform_job(&run, &job, None, args.memory) {

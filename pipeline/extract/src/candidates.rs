@@ -5,6 +5,7 @@
 //! viewer direction uniform over the hemisphere, the light uniform in the cell's part of the
 //! light box. What falls outside the cell is rejected, so the accepted rows are uniform in it.
 
+use crate::eyes::Eyes;
 use crate::outlook::{Lookout, Looks, Outlook};
 use crate::patches::Patches;
 use crate::sobol::Sobol;
@@ -25,6 +26,8 @@ pub enum Rejection {
     LightInSolid,
     /// The point is inside a solid, or sealed under one.
     PointInSolid,
+    /// No eye sees the point: no frame will show it.
+    Unseen,
     /// No ray of the point's hemisphere hits anything: no indirect light can arrive.
     SeesNothing,
     /// The surface reflects nothing.
@@ -47,6 +50,7 @@ pub struct Proposal<'a> {
     scene: &'a Scene,
     tracer: &'a Tracer<'a>,
     lookout: &'a Lookout<'a>,
+    eyes: Option<&'a Eyes>,
     patches: Patches,
     domain: Domain,
     light: LightBox,
@@ -69,11 +73,17 @@ impl<'a> Proposal<'a> {
             scene,
             tracer,
             lookout,
+            eyes: None,
             patches,
             domain,
             light,
             sobol: Sobol::new(seed),
         })
+    }
+
+    /// The same of points that one of some eyes sees.
+    pub fn seen_by(self, eyes: Option<&'a Eyes>) -> Proposal<'a> {
+        Proposal { eyes, ..self }
     }
 
     /// Candidate `k`.
@@ -109,6 +119,10 @@ impl<'a> Proposal<'a> {
         }
         if material.kind == MaterialKind::Lambert && material.base_color == Vec3::ZERO {
             return Err(Rejection::Black);
+        }
+        let unseen = |eyes: &Eyes| !eyes.see(self.lookout, &surface, side, looks);
+        if self.eyes.is_some_and(unseen) {
+            return Err(Rejection::Unseen);
         }
         if self.lookout.inside_solid_with(light, looks) {
             return Err(Rejection::LightInSolid);

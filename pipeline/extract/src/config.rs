@@ -1,14 +1,16 @@
 //! What an extraction is asked for, and why it is refused.
 
 use crate::candidates::Rejection;
+use crate::eyes::Eyes;
 use crate::first_tree::Weights;
+use crate::outlook::Lookout;
 use glam::Vec3;
 use rrf_field::columns;
 use rrf_field::tree::Domain;
 use rrf_scene::Bounds;
 use serde::{Deserialize, Serialize};
 
-/// An axis-aligned box of light positions, world frame.
+/// An axis-aligned box of positions, of lights or of eyes, world frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightBox {
     /// Corner of the smallest coordinates.
@@ -46,6 +48,43 @@ impl LightBox {
             .then_some(LightBox { minimum, maximum })
     }
 
+    /// Checks the box of a `what` against the scene's bounds.
+    fn validate(self, what: &'static str, bounds: &Bounds) -> Result<(), ExtractError> {
+        let bad = |message: String| {
+            Err(ExtractError::Box {
+                what,
+                bounds: self,
+                message,
+            })
+        };
+        let (low, high) = (self.minimum, self.maximum);
+        if low.iter().chain(&high).any(|x| !x.is_finite()) {
+            return bad("every coordinate has to be a finite number".into());
+        }
+        if (0..3).any(|i| low[i] > high[i]) {
+            return bad("the first corner has to be the smaller one on every axis".into());
+        }
+        if (0..3).any(|i| high[i] < bounds.min[i] || low[i] > bounds.max[i]) {
+            return bad(format!(
+                "lies outside the scene, whose bounds are {:?} to {:?}: nothing there is in the scene",
+                bounds.min, bounds.max
+            ));
+        }
+        Ok(())
+    }
+
+    /// The places that eyes in the box look from.
+    ///
+    /// # Errors
+    /// Where all of them lie inside solids.
+    pub fn eyes(self, lookout: &Lookout) -> Result<Eyes, ExtractError> {
+        Eyes::new(lookout, &self).ok_or(ExtractError::Box {
+            what: "eye",
+            bounds: self,
+            message: "lies inside a solid: nothing is seen from there".into(),
+        })
+    }
+
     /// Volume; an extent of zero (a line or a point of lights) counts as one.
     pub fn volume(&self) -> f64 {
         (0..3)
@@ -60,6 +99,9 @@ impl LightBox {
 pub struct ExtractConfig {
     /// Where lights may stand.
     pub light_box: LightBox,
+    /// Where eyes may be: rows are of surface that is seen from there; all surface without it.
+    #[serde(default)]
+    pub eye_box: Option<LightBox>,
     /// Seed of every random number.
     pub seed: u64,
     /// Candidates that the first tree is grown over.
@@ -87,6 +129,9 @@ pub struct Census {
     pub light_in_solid: u64,
     /// Point inside a solid or sealed under one.
     pub point_in_solid: u64,
+    /// Points that no eye sees.
+    #[serde(default)]
+    pub unseen: u64,
     /// Points whose hemisphere is empty.
     pub sees_nothing: u64,
     /// Points on surfaces that reflect nothing.
@@ -99,6 +144,7 @@ impl Census {
             Rejection::OtherCell => &mut self.other_cell,
             Rejection::LightInSolid => &mut self.light_in_solid,
             Rejection::PointInSolid => &mut self.point_in_solid,
+            Rejection::Unseen => &mut self.unseen,
             Rejection::SeesNothing => &mut self.sees_nothing,
             Rejection::Black => &mut self.black,
         } += 1;
@@ -110,6 +156,7 @@ impl Census {
         self.other_cell += other.other_cell;
         self.light_in_solid += other.light_in_solid;
         self.point_in_solid += other.point_in_solid;
+        self.unseen += other.unseen;
         self.sees_nothing += other.sees_nothing;
         self.black += other.black;
     }
@@ -118,11 +165,13 @@ impl Census {
 /// Why nothing could be extracted.
 #[derive(Debug, thiserror::Error)]
 pub enum ExtractError {
-    /// The light box has no extent or does not meet the scene.
-    #[error("light box {light_box}: {message}")]
-    LightBox {
+    /// The box of lights or of eyes has no extent or does not meet the scene.
+    #[error("{what} box {bounds}: {message}")]
+    Box {
+        /// Of lights or of eyes.
+        what: &'static str,
         /// The box.
-        light_box: LightBox,
+        bounds: LightBox,
         /// What is wrong and what would be right.
         message: String,
     },
@@ -157,24 +206,9 @@ pub enum ExtractError {
 impl ExtractConfig {
     /// Checks the settings against each other and the scene's bounds.
     pub fn validate(&self, bounds: &Bounds) -> Result<(), ExtractError> {
-        let bad = |message: String| {
-            Err(ExtractError::LightBox {
-                light_box: self.light_box,
-                message,
-            })
-        };
-        let (low, high) = (self.light_box.minimum, self.light_box.maximum);
-        if low.iter().chain(&high).any(|x| !x.is_finite()) {
-            return bad("every coordinate has to be a finite number".into());
-        }
-        if (0..3).any(|i| low[i] > high[i]) {
-            return bad("the first corner has to be the smaller one on every axis".into());
-        }
-        if (0..3).any(|i| high[i] < bounds.min[i] || low[i] > bounds.max[i]) {
-            return bad(format!(
-                "lies outside the scene, whose bounds are {:?} to {:?}: a light there is no light of the scene",
-                bounds.min, bounds.max
-            ));
+        self.light_box.validate("light", bounds)?;
+        if let Some(eye_box) = self.eye_box {
+            eye_box.validate("eye", bounds)?;
         }
         if self.paths < 2 || !self.paths.is_multiple_of(2) {
             return Err(ExtractError::Setting {

@@ -10,6 +10,7 @@
 
 mod candidates;
 mod config;
+mod eyes;
 mod first_tree;
 mod outlook;
 mod patches;
@@ -20,6 +21,7 @@ mod stage;
 
 pub use candidates::{Accepted, Proposal, Rejection, Row, accept};
 pub use config::{Census, ExtractConfig, ExtractError, LightBox};
+pub use eyes::Eyes;
 pub use first_tree::{Weights, cut};
 pub use outlook::{Lookout, Looks, Outlook};
 pub use planning::{CellShare, FirstPlan, plan};

@@ -44,6 +44,24 @@ impl<'a> Lookout<'a> {
         self.outlook(looks, |i| (place, sphere(i))) == Outlook::InsideSolid
     }
 
+    /// Whether the way from a surface point to one of some places is free.
+    pub(crate) fn any_free(
+        &self,
+        point: &SurfacePoint,
+        places: impl Iterator<Item = Vec3>,
+        Looks { rays, blocked, .. }: &mut Looks,
+    ) -> bool {
+        rays.clear();
+        for place in places {
+            let origin = self
+                .tracer
+                .lift(point.triangle, point.position, place - point.position);
+            rays.push(origin, place - origin, 1.0);
+        }
+        self.tracer.occluded(rays, blocked);
+        blocked.iter().any(|blocked| !blocked)
+    }
+
     /// What a surface point sees on the side of the unit normal `side`.
     pub fn from_surface(&self, point: &SurfacePoint, side: Vec3) -> Outlook {
         self.from_surface_with(point, side, &mut Looks::default())
@@ -76,7 +94,7 @@ impl<'a> Lookout<'a> {
 
     fn count(
         &self,
-        Looks { rays, hits }: &mut Looks,
+        Looks { rays, hits, .. }: &mut Looks,
         of: impl Iterator<Item = (Vec3, Vec3)>,
         votes: &mut Votes,
     ) {
@@ -110,6 +128,7 @@ impl<'a> Lookout<'a> {
 pub struct Looks {
     rays: Rays,
     hits: Hits,
+    blocked: Vec<bool>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]

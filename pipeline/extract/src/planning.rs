@@ -40,7 +40,7 @@ const WHOLE_SCENE: u64 = 0;
 /// Paths that each candidate's radiance is estimated by: noise averages out over all of them.
 const PILOT_PATHS: u32 = 4;
 /// Candidates drawn for each one wanted before a plan gives up.
-const PATIENCE: usize = 16;
+const PATIENCE: usize = 64;
 
 /// Draws candidates over the whole scene and grows the first tree.
 pub fn plan(
@@ -56,8 +56,10 @@ pub fn plan(
         census,
     };
     let lookout = Lookout::new(scene, tracer);
+    let eyes = config.eye_box.map(|b| b.eyes(&lookout)).transpose()?;
     let proposal = Proposal::new(scene, tracer, &lookout, Domain::ALL, config.light_box, seed)
-        .ok_or_else(|| nothing(Census::default()))?;
+        .ok_or_else(|| nothing(Census::default()))?
+        .seen_by(eyes.as_ref());
     let drawn = accept(&proposal, config.candidates as usize, PATIENCE);
     if drawn.rows.is_empty() {
         return Err(nothing(drawn.census));

@@ -2,6 +2,7 @@
 
 use crate::candidates::{Accepted, Proposal, accept};
 use crate::config::{Census, ExtractError, LightBox};
+use crate::eyes::Eyes;
 use crate::outlook::Lookout;
 use crate::planning::scramble_seed;
 use glam::Vec3;
@@ -52,13 +53,14 @@ pub fn extract(
     scene: &Scene,
     tracer: &Tracer,
     lookout: &Lookout,
+    eyes: Option<&Eyes>,
     light_box: LightBox,
     seed: u64,
     draw: &Draw,
 ) -> Result<Drawn, ExtractError> {
     let scramble = scramble_seed(seed, u64::from(draw.stream) + FIRST_STREAM);
     let accepted = Proposal::new(scene, tracer, lookout, draw.domain, light_box, scramble)
-        .map(|proposal| accept(&proposal, draw.rows as usize, PATIENCE))
+        .map(|proposal| accept(&proposal.seen_by(eyes), draw.rows as usize, PATIENCE))
         .unwrap_or_default();
     let stream = Stream::new(seed, STAGE, draw.stream);
     let halves = trace_halves(tracer, &accepted, draw.paths, stream)?;

@@ -147,6 +147,11 @@ fn places(column: &[f32], order: &[usize], fewest: usize) -> Vec<usize> {
                 })
         })
         .collect();
+    // wherever it is, the widest gap parts two objects
+    let widest =
+        (fewest.max(1)..n.saturating_sub(fewest)).max_by(|&i, &j| gap(i).total_cmp(&gap(j)));
+    places.extend(widest.filter(|&i| gap(i) > 0.0));
+    places.sort_unstable();
     places.dedup();
     places
 }

@@ -6,7 +6,8 @@ use crate::config::Decay;
 use crate::fit::HistoryRow;
 use crate::judge::Judge;
 use crate::lm::{Levenberg, Problem, Step, Stop};
-use crate::problem::NetProblem;
+use crate::logarithm::Logarithms;
+use crate::problem::{Loss, NetProblem};
 use crate::resume::At;
 use crate::tile::Rows;
 use rrf_field::net::Shape;
@@ -20,6 +21,20 @@ fn renews_judge(step: usize) -> bool {
 /// Accepted steps from one update of the weight decay to the next.
 const EVIDENCE: usize = 4;
 
+/// What the first leg starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Begin {
+    /// Random hidden units and the output layer that is best for them; of exponents the mean.
+    Mean,
+    /// A few steps towards the logarithm, for exponents.
+    Logarithm,
+    /// The weights of a net that was fitted before.
+    Fitted,
+}
+
+/// Steps towards the logarithm.
+const FIRST_STEPS: usize = 10;
+
 /// A net under way.
 #[derive(Clone)]
 pub(crate) struct Descent<'a> {
@@ -28,8 +43,7 @@ pub(crate) struct Descent<'a> {
     /// Which start it came from.
     pub start: u64,
     pub(crate) w: Vec<f64>,
-    /// The weights are random, not those of a fitted net.
-    fresh: bool,
+    begin: Begin,
     pub(crate) lm: Levenberg,
     /// Weight decay a residual.
     pub alpha: f64,
@@ -69,7 +83,7 @@ impl<'a> Descent<'a> {
             error: f64::INFINITY,
             best: w.clone(),
             history: Vec::new(),
-            fresh: true,
+            begin: Begin::Mean,
             cell,
             shape,
             start,
@@ -77,12 +91,14 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// From weights that are those of a fitted net: the output layer is not put to zero first.
+    /// From weights that are those of a fitted net.
     pub fn going_on(cell: &'a Cell, shape: Shape, w: Vec<f64>) -> Descent<'a> {
-        Descent {
-            fresh: false,
-            ..Descent::from_weights(cell, shape, 0, w)
-        }
+        Descent::from_weights(cell, shape, 0, w).beginning(Begin::Fitted)
+    }
+
+    /// The same with another beginning.
+    pub fn beginning(self, begin: Begin) -> Descent<'a> {
+        Descent { begin, ..self }
     }
 
     /// Damping at the end.
@@ -111,20 +127,17 @@ impl<'a> Descent<'a> {
 
     fn walk(&mut self, leg: Leg) -> Stop {
         let cell = self.cell;
-        let rows = cell
-            .train
-            .first((cell.train.len() as f64 * leg.share).ceil() as usize);
-        let residuals = rows.residuals().max(1);
-        let mut problem = NetProblem::new(&self.shape, rows, residuals, cell.loss)
+        let rows = (cell.train.len() as f64 * leg.share).ceil() as usize;
+        let part = cell.train.first(rows);
+        let residuals = part.residuals().max(1);
+        let mut problem = NetProblem::new(&self.shape, part, residuals, cell.loss)
             .exponential(cell.config.exponential)
             .precision(cell.config.precision);
         let mut judge = Judge::choosing(cell, &self.shape, leg.share);
         self.w.clone_from(&self.best);
         let first_run = self.residuals == 0.0;
-        if first_run && self.fresh {
-            // Where it has no answer the output layer stays at zero: the mean, a valid start.
-            self.w[problem.output_layer()].fill(0.0);
-            problem.project(&mut self.w, self.alpha * residuals as f64);
+        if first_run && self.begin != Begin::Fitted {
+            self.begin(&mut problem, rows);
             self.best.clone_from(&self.w);
         } else if !first_run {
             self.lm.rescale_damping(residuals as f64 / self.residuals);
@@ -132,6 +145,29 @@ impl<'a> Descent<'a> {
         self.residuals = residuals as f64;
         self.error = judge.error(&self.best).square;
         self.descend(&mut problem, &mut judge, leg)
+    }
+
+    /// Random first weights made a beginning.
+    fn begin(&mut self, problem: &mut NetProblem<impl Rows>, rows: usize) {
+        let (cell, residuals) = (self.cell, problem.residuals());
+        let alpha = self.alpha * residuals;
+        // Where there is no answer the output layer stays at zero: the mean, a valid start.
+        self.w[problem.output_layer()].fill(0.0);
+        if self.begin != Begin::Logarithm {
+            problem.project(&mut self.w, alpha);
+            return;
+        }
+        let (rows, floor) = (cell.train.first(rows), cell.floor);
+        let rows = Logarithms { rows, floor };
+        let mut start = NetProblem::new(&self.shape, rows, residuals as usize, Loss::Absolute)
+            .precision(cell.config.precision);
+        start.project(&mut self.w, alpha);
+        let mut lm = Levenberg::new(self.w.len(), cell.config.lm);
+        for _ in 0..FIRST_STEPS {
+            if lm.step(&mut start, &mut self.w, alpha).is_err() {
+                break;
+            }
+        }
     }
 
     fn descend(&mut self, problem: &mut impl NetSteps, judge: &mut Judge, leg: Leg) -> Stop {

@@ -38,6 +38,7 @@ mod judge;
 mod levenberg;
 pub mod linalg;
 pub mod lm;
+mod logarithm;
 pub mod online;
 mod ordered;
 pub mod prepare;

@@ -112,6 +112,11 @@ impl<R: Rows> NetProblem<R> {
         self
     }
 
+    /// How many values count.
+    pub fn residuals(&self) -> f64 {
+        self.residuals
+    }
+
     /// The output layer's weights.
     pub fn output_layer(&self) -> std::ops::Range<usize> {
         self.parameters - self.output.n..self.parameters

@@ -86,7 +86,11 @@ fn round(cell: &mut Cell, net: &Net, limit: f64) -> Option<Net> {
     for (column, weights) in cheapest(cell, net)?.into_iter().take(TRIES) {
         let (shape, weights) = column.remove(&net.shape, &weights);
         let taken = (column.layer == 0).then(|| cell.take_input(column.from));
-        let mut mended = Descent::from_weights(cell, shape, 0, weights);
+        // exponents have no best output layer to begin with
+        let mut mended = match cell.config.exponential {
+            true => Descent::going_on(cell, shape, weights),
+            false => Descent::from_weights(cell, shape, 0, weights),
+        };
         mended.alpha = net.alpha;
         mended.run(MEND);
         let smaller = Net {

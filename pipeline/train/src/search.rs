@@ -7,13 +7,13 @@
 
 use crate::cell::Cell;
 use crate::config::{LADDER, TrainConfig};
-use crate::descent::{Descent, Leg};
+use crate::descent::{Begin, Descent, Leg};
 use crate::lm::Stop;
 use rrf_field::net::Shape;
 
 /// Legs before the last, which runs on all rows: the share of the rows of each and how many
 /// nets run it.
-fn rungs(config: &TrainConfig, rows: usize, weights: usize) -> Vec<(f64, usize)> {
+fn rungs(config: &TrainConfig, most: usize, rows: usize, weights: usize) -> Vec<(f64, usize)> {
     let mut rungs = Vec::new();
     let (mut share, mut starts) = (0.5, 1);
     for _ in 0..config.rungs {
@@ -22,12 +22,12 @@ fn rungs(config: &TrainConfig, rows: usize, weights: usize) -> Vec<(f64, usize)>
             break;
         }
         rungs.push((share, starts));
-        (share, starts) = (share * 0.5, (starts * 2).min(config.starts.max(1)));
+        (share, starts) = (share * 0.5, (starts * 2).min(most));
     }
     rungs.reverse();
     // Where rows allow fewer rungs than halvings, the first one halves more than once.
     if let Some(first) = rungs.first_mut() {
-        first.1 = config.starts.max(1);
+        first.1 = most;
     }
     rungs
 }
@@ -42,11 +42,18 @@ pub(crate) fn best_of_starts<'a>(cell: &'a Cell, shape: &Shape) -> Option<(Desce
         let going_on = vec![Descent::going_on(cell, shape.clone(), w)];
         return finish(cell, going_on, config.patience_going_on);
     }
-    let rungs = rungs(config, cell.train.len(), shape.weights());
-    let starts = rungs.first().map_or(config.starts.max(1), |rung| rung.1);
-    let mut field: Vec<Descent> = (0..starts as u64)
-        .map(|start| Descent::new(cell, shape.clone(), start))
-        .collect();
+    let begins = match config.exponential {
+        true => &[Begin::Mean, Begin::Logarithm][..],
+        false => &[Begin::Mean][..],
+    };
+    let begin = |start| {
+        let net = Descent::new(cell, shape.clone(), start);
+        begins
+            .iter()
+            .map(move |&begin| net.clone().beginning(begin))
+    };
+    let mut field: Vec<Descent> = (0..config.starts.max(1) as u64).flat_map(begin).collect();
+    let rungs = rungs(config, field.len(), cell.train.len(), shape.weights());
     for (share, survivors) in &rungs {
         keep_best(&mut field, *survivors);
         for descent in &mut field {

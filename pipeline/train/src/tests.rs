@@ -195,7 +195,8 @@ fn check_curvature(exponential: bool) {
 }
 
 /// A product of powers over two decades: exponential outputs follow it several times better than
-/// the same net with linear ones, and a channel without light stays dark.
+/// the same net with linear ones (medians: fits from other first weights differ by ten times), and a
+/// channel without light stays dark.
 #[test]
 fn exponents_follow_a_product() {
     let mut rows = rrf_field::columns::Columns::default();
@@ -210,8 +211,9 @@ fn exponents_follow_a_product() {
         y.push([value, 2.0 * value, 0.0]);
     }
     let held_out: Vec<bool> = (0..2000).map(|r| r % 3 == 0).collect();
-    let error = |exponential: bool| {
+    let error = |exponential: bool, seed: u64| {
         let config = crate::TrainConfig {
+            seed,
             size: crate::Size::Hidden(vec![6, 4]),
             exponential,
             ..crate::TrainConfig::default()
@@ -226,7 +228,11 @@ fn exponents_follow_a_product() {
         }
         fit.metrics.validation_error.square.sqrt()
     };
-    let (linear, exponential) = (error(false), error(true));
+    let [linear, exponential] = [false, true].map(|exponential| {
+        let mut errors: Vec<f64> = (1..=11).map(|seed| error(exponential, seed)).collect();
+        errors.sort_by(f64::total_cmp);
+        errors[5]
+    });
     assert!(exponential < 0.5 * linear, "{exponential} {linear}");
     assert!(exponential < 0.01, "{exponential}");
 }

@@ -18,7 +18,7 @@ pub fn with_run<T>(work: impl FnOnce(&Run, &RoundPlan, &Site) -> T) -> T {
     let run = Run::create(folder.path(), &scene, &config(), false).unwrap();
     let scene = scene.unlit();
     let tracer = Tracer::new(&scene).unwrap();
-    let site = Site::new(&scene, &tracer);
+    let site = Site::new(&scene, &tracer, &run.config).unwrap();
     let plan = rrf_bake::first_plan(&run, &site).unwrap();
     work(&run, &plan, &site)
 }

@@ -86,3 +86,27 @@ fn targets_at_the_ends_of_f32() {
         assert!(error < 0.5, "{size}: {error}, {:?}", fit.metrics.stop);
     }
 }
+
+/// One row in three lies on a wall behind, where no light comes. To the relative loss the mean is next
+/// to nothing for the lit rows, and a net of exponents that starts from it stays there: an error of 1.
+#[test]
+fn lit_rows_are_learned_beside_black_ones() {
+    let stream = rrf_field::rng::Stream::new(9, rrf_field::rng::Stage::Test, 0);
+    let rows: Vec<cells::Row> = (0..3000)
+        .map(|i| {
+            let mut row = std::array::from_fn(|d| 2.0 * stream.f64(i, d as u32) - 1.0);
+            row[0] += if i % 3 == 1 { 4.0 } else { 0.0 };
+            row
+        })
+        .collect();
+    let behind = |x: &cells::Row| x[0] > 2.0;
+    let cell = Cell::of(&rows, 0.1, |x| if behind(x) { [0.0; 3] } else { smooth(x) });
+    let config = rrf_train::TrainConfig {
+        exponential: true,
+        mean_luminance: Some(0.02),
+        ..cells::config()
+    };
+    // the rows held out are lit ones
+    let error = cell.fit(&config).metrics.validation_error;
+    assert!(error.square + 3.0 * error.square_se < 0.5, "{error:?}");
+}
