@@ -1,6 +1,6 @@
 """Error against CPU seconds: this trainer and other people's on one net, one cell, one start.
 
-    training.py CELL.f32 OUT.json [ROUNDS]      (a cell from export_cells.py)
+    training.py CELL.f32 OUT.json [ROUNDS [PROGRAM,...]]      (a cell from export_cells.py)
 
 A 20-10 net, the cell's rows split 70 : 30, squared errors relative to the target's luminance, the
 same first weights for all. Each program runs on one thread, its own CPU time is
@@ -9,7 +9,7 @@ the medians are kept, step by step. Every program ends after its steps or SECOND
 
   ours          examples/race of rrf-train
   accelerated   the same with geodesic acceleration
-  warm          the same, its first 12 steps on a quarter of the rows
+  warm          the same, its first 12 steps on a quarter of the rows; also with JᵀJ multiplied from f32
   numpy LM      Jacobian by backpropagation, gemm, Cholesky, damping times or over ten
   scipy lm      scipy.optimize.least_squares(method="lm"), MINPACK, the same analytic Jacobian
   jax Adam      float32, batches of 256 in random order, rate 3e-3 falling to 0 as a cosine
@@ -290,7 +290,7 @@ PROGRAMS = {
     "ours": ours,
     "accelerated": lambda task: ours(task, "accelerate"),
     "warm": lambda task: ours(task, "accelerate", "warm"),
-    "warm, f32 products": lambda task: ours(task, "accelerate", "warm", "single"),
+    "warm; f32 products": lambda task: ours(task, "accelerate", "warm", "single"),
     "numpy LM": numpy_lm,
     "scipy lm": scipy_lm,
     "jax Adam": jax_adam,
@@ -309,12 +309,13 @@ def seconds_to(rows: list, error: float) -> float | None:
     return next((t for t, e, _ in rows if e <= error * (1 + 1e-9)), None)
 
 
-def main(cell: str, out: str, rounds: str = "3") -> None:
+def main(cell: str, out: str, rounds: str = "3", programs: str = "") -> None:
     task = problem(cell)
+    chosen = {name: PROGRAMS[name] for name in programs.split(",") if name} or PROGRAMS
     train, kept = 3 * task["train"], 3 * (len(task["x"]) - task["train"])
-    runs = {name: [] for name in PROGRAMS}
+    runs = {name: [] for name in chosen}
     for _ in range(int(rounds)):
-        for name, program in PROGRAMS.items():
+        for name, program in chosen.items():
             rows = program(task)
             runs[name].append([[t, (a / train) ** 0.5, (b / kept) ** 0.5] for t, a, b in rows])
     medians = {name: median(r) for name, r in runs.items()}
@@ -333,6 +334,6 @@ def main(cell: str, out: str, rounds: str = "3") -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (3, 4):
+    if len(sys.argv) not in (3, 4, 5):
         sys.exit(__doc__)
     main(*sys.argv[1:])

@@ -24,7 +24,7 @@ def main(source: str, *pictures: str) -> None:
         axis.set(xscale="log", yscale="log", xlabel="CPU seconds, one core", title=title)
         axis.grid(True, which="both", alpha=0.25)
     axes[0].set_ylabel("relative RMS error [%]")
-    axes[1].legend()
+    axes[1].legend(bbox_to_anchor=(1.02, 1), loc="upper left")
     figure.suptitle(f"One cell, {measured['rows']} rows, 20-10 net, {measured['weights']} weights")
     figure.tight_layout()
     for picture in pictures:

@@ -107,6 +107,7 @@ impl Baked {
             Some(self.light_box()),
             |place| lookout.inside_solid(place),
             |place| on_surface(tracer, place),
+            |place, reach| tracer.distance(place, reach),
         );
         match notices.iter().find(|notice| notice.is_fatal()) {
             Some(fatal) if !anyway => Err(BadInput(format!("{fatal} (--anyway renders it)"))),

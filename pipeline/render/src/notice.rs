@@ -25,6 +25,17 @@ pub enum Notice {
         /// Its position.
         position: Vec3,
     },
+    /// A light makes a spot on a surface that no net of a few thousand rows follows.
+    LightNearSurface {
+        /// Its place in the list.
+        light: usize,
+        /// Its position.
+        position: Vec3,
+        /// How near it is.
+        distance: f32,
+        /// How near is too near.
+        least: f32,
+    },
     /// A light is where no net was trained.
     LightOutsideBox {
         /// Its place in the list.
@@ -52,6 +63,16 @@ impl std::fmt::Display for Notice {
                 "point light {light} at {position} lies on a surface: move it off by a \
                  thousandth of the scene's size"
             ),
+            Notice::LightNearSurface {
+                light,
+                position,
+                distance,
+                least,
+            } => write!(
+                f,
+                "point light {light} at {position} is {distance:.3} from a surface, nearer than \
+                 {least:.3}: expect several times the usual error of the indirect light"
+            ),
             Notice::LightOutsideBox {
                 light,
                 position,
@@ -68,9 +89,16 @@ impl std::fmt::Display for Notice {
 impl Notice {
     /// Whether a picture would show nothing that was meant.
     pub fn is_fatal(&self) -> bool {
-        !matches!(self, Notice::LightOutsideBox { .. })
+        !matches!(
+            self,
+            Notice::LightOutsideBox { .. } | Notice::LightNearSurface { .. }
+        )
     }
 }
+
+/// A light nearer to a surface than this share of the diagonal of the baked light box is badly learned
+/// (docs/failure-map.md).
+const NEAR_SURFACE: f32 = 0.025;
 
 /// A light nearer to a surface than this share of the scene's size is on it.
 const ON_SURFACE: f32 = 2e-5;
@@ -88,14 +116,15 @@ pub fn on_surface(tracer: &Tracer, place: Vec3) -> bool {
 }
 
 /// What a user should know of a view and its lights. `inside_solid` answers whether a free
-/// place is inside a solid, `on_surface` whether one is no free place; `light_box` is the baked
-/// one, where nets are to be used.
+/// place is inside a solid, `on_surface` whether one is no free place, `distance` how far the nearest
+/// surface is if that is within a reach; `light_box` is the baked one, where nets are to be used.
 pub fn notices(
     eye: Vec3,
     lights: impl Iterator<Item = Vec3>,
     light_box: Option<[Vec3; 2]>,
     inside_solid: impl Fn(Vec3) -> bool,
     on_surface: impl Fn(Vec3) -> bool,
+    distance: impl Fn(Vec3, f32) -> Option<f32>,
 ) -> Vec<Notice> {
     let mut notices = Vec::new();
     if inside_solid(eye) {
@@ -106,6 +135,16 @@ pub fn notices(
             notices.push(Notice::LightOnSurface { light, position });
         } else if inside_solid(position) {
             notices.push(Notice::LightInSolid { light, position });
+        } else if let Some([low, high]) = light_box {
+            let least = NEAR_SURFACE * low.distance(high);
+            notices.extend(
+                distance(position, least).map(|distance| Notice::LightNearSurface {
+                    light,
+                    position,
+                    distance,
+                    least,
+                }),
+            );
         }
         let outside =
             |[low, high]: &[Vec3; 2]| !(position.cmpge(*low) & position.cmple(*high)).all();
@@ -134,12 +173,16 @@ mod tests {
         ];
         let light_box = [Vec3::splat(-1.0), Vec3::ONE];
         let told = |eye: Vec3, light_box| {
-            let notices = notices(eye, places.into_iter(), light_box, solid, |p| p.y == 2.0);
+            let near = |p: Vec3, reach: f32| (p == Vec3::ZERO).then_some(0.5 * reach);
+            let on = |p: Vec3| p.y == 2.0;
+            let notices = notices(eye, places.into_iter(), light_box, solid, on, near);
             let lines = notices.iter().map(|n| n.to_string());
             lines.collect::<Vec<_>>()
         };
         let mut lines = told(Vec3::new(20.0, 0.0, 0.0), Some(light_box));
-        assert_eq!(lines.len(), 5, "{lines:?}");
+        assert_eq!(lines.len(), 6, "{lines:?}");
+        let near = "point light 0 at [0, 0, 0] is 0.043 from a surface, nearer than 0.087";
+        assert!(lines.remove(1).starts_with(near), "{lines:?}");
         let on = lines.remove(1);
         assert!(
             on.starts_with("point light 1 at [0, 2, 0] lies on a surface"),

@@ -44,6 +44,25 @@ impl Tracer<'_> {
         });
         best.map(|(_, id, barycentrics)| self.point(id, barycentrics))
     }
+
+    /// Distance of a place to the nearest surface where that is at most `reach`.
+    pub fn distance(&self, place: Vec3, reach: f32) -> Option<f32> {
+        let around = Aabb::new((place - reach).into(), (place + reach).into());
+        let mut nearest = f32::INFINITY;
+        if place.is_finite() && !self.bvh.nodes.is_empty() {
+            self.bvh.aabb_traverse(around, |bvh, node| {
+                let node = &bvh.nodes[node as usize];
+                for slot in node.first_index..node.first_index + node.prim_count {
+                    let id = self.kept[bvh.primitive_indices[slot as usize] as usize];
+                    let barycentrics = closest_barycentrics(&self.facets[id as usize], place);
+                    let at = self.point(id, barycentrics).position;
+                    nearest = nearest.min(at.distance(place));
+                }
+                true
+            });
+        }
+        (nearest <= reach).then_some(nearest)
+    }
 }
 
 /// Barycentrics of the point of a triangle nearest to `p`
@@ -78,4 +97,41 @@ fn closest_barycentrics(facet: &Facet, p: Vec3) -> [f32; 2] {
     }
     let sum = va + vb + vc;
     [vb / sum, vc / sum]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rrf_scene::{LoadOptions, load};
+
+    /// Against the nearest of many points of every triangle, which is farther by less than their
+    /// spacing.
+    #[test]
+    fn distance_to_the_nearest_surface() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../scenes/cornell-box/scene.pbrt"
+        );
+        let scene = load(file.as_ref(), &LoadOptions::default())
+            .unwrap()
+            .unlit();
+        let tracer = Tracer::new(&scene).unwrap();
+        const N: u32 = 64;
+        let weights = (0..=N).flat_map(|i| (0..=N - i).map(move |j| [i, j]));
+        let weights: Vec<[f32; 2]> = weights.map(|w| w.map(|w| w as f32 / N as f32)).collect();
+        let points: Vec<Vec3> = (0..scene.triangles.len() as u32)
+            .flat_map(|t| weights.iter().map(move |&w| (t, w)))
+            .map(|(t, w)| tracer.point(t, w).position)
+            .collect();
+        // the longest edge, of the room's walls, is below 3
+        let spacing = 3.0 / N as f32;
+        for k in 0..100 {
+            let u = crate::Stream::new(5, 0, 0).units(k, 0, 0);
+            let place = Vec3::new(1.8 * u[0] - 0.9, 1.9 * u[1] + 0.05, 1.8 * u[2] - 0.9);
+            let nearest = points.iter().map(|p| p.distance(place)).fold(9.0, f32::min);
+            let found = tracer.distance(place, 2.0).unwrap();
+            assert!(found <= nearest + 1e-6 && nearest - found < spacing);
+            assert_eq!(tracer.distance(place, 0.5 * found), None);
+        }
+    }
 }

@@ -65,6 +65,7 @@ impl<'a> Show<'a> {
             Some(self.light_box),
             self.inside_solid,
             |place| on_surface(self.tracer, place),
+            |place, reach| self.tracer.distance(place, reach),
         );
         told.iter().map(ToString::to_string).collect()
     }
