@@ -65,7 +65,7 @@ impl Tree {
     }
 
     /// Whether the columns make one tree: equal lengths, axes that exist, children after their
-    /// parent and each reached once, finite thresholds, cells numbered 0 to n - 1.
+    /// parent and each reached once, finite thresholds, cells numbered 0 to n - 1 and leaves alone.
     pub fn check(&self) -> Result<(), String> {
         let n = self.axis.len();
         if n == 0 || [self.threshold.len(), self.left.len(), self.cell.len()] != [n; 3] {
@@ -88,6 +88,9 @@ impl Tree {
                     "node {node}: axis {axis}, threshold {}",
                     self.threshold[node]
                 ));
+            }
+            if self.cell[node] != u32::MAX {
+                return Err(format!("node {node} is split, but cell {}", self.cell[node]));
             }
             if left <= node || left + 1 >= n || reached[left] || reached[left + 1] {
                 return Err(format!("node {node}: left child {left} of {n} nodes"));

@@ -25,6 +25,8 @@ fn a_damaged_tree_is_refused() {
         |t| t.threshold[0] = f32::NAN,
         |t| t.left[0] = 0,
         |t| t.left[0] = u32::MAX,
+        // found by fuzzing: boxes were made for four billion cells
+        |t| t.cell[0] = 4_289_934_590,
         |t| t.left[1] = t.left[0],
         |t| t.cell.fill(0),
         |t| t.axis[0] = -1,

@@ -26,7 +26,7 @@ pub struct RunFacts {
 pub struct RunManifest {
     /// [`FORMAT`].
     pub format: u32,
-    /// Program and version, `rrf 0.1.0`.
+    /// Program and version, `rrf 0.2.0`.
     pub created_by: String,
     /// The scene file as it was named.
     pub scene: PathBuf,
