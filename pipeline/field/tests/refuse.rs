@@ -17,7 +17,7 @@ fn models(cells: u32) -> Vec<CellModel> {
 #[test]
 fn a_damaged_tree_is_refused() {
     type Damage = fn(&mut Tree);
-    let damages: [Damage; 10] = [
+    let damages: [Damage; 11] = [
         |t| t.axis.clear(),
         |t| t.cell.truncate(3),
         |t| t.axis[0] = 18,
