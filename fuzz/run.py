@@ -2,8 +2,8 @@
 """Builds the fuzz targets and runs them for a stated CPU time; the figures of docs/fuzzing.md.
 
 Needs a nightly compiler and a C++ compiler, not the tool cargo-fuzz (which adds the same flags).
-Inputs come from `seeds/` and `kept/`, new ones go to `corpus/`; `--keep` makes `kept/` the
-smallest set of inputs that covers what all of them cover. A crash, a hang of 20 s or a request for
+Inputs come from `seeds/` and `kept/TARGET.zip`, new ones go to `corpus/`; `--keep` makes the archive of a
+smallest set of inputs that covers what all of them cover, long ones left out. A crash, a hang of 20 s or a request for
 more than 512 MB leaves the input in `artifacts/` and ends the target.
 
     python3 fuzz/run.py --minutes 30
@@ -14,16 +14,19 @@ import argparse
 import os
 import re
 import resource
-import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
+import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 TARGETS = ["pbrt", "gltf", "parquet", "arrow", "small"]
 LONGEST = {"parquet": 131072, "arrow": 65536}
+# bytes of an input that is kept, and of all that are kept
+KEPT, ARCHIVE = 80_000, 600_000
 TRIPLE = "x86_64-unknown-linux-gnu"
 COVERAGE = ["level=4", "inline-8bit-counters", "pc-table", "trace-compares"]
 FLAGS = [
@@ -71,10 +74,14 @@ def program(target):
 
 
 def inputs(target):
+    """Where new inputs go, with those of earlier runs, and the seeds."""
     corpus = HERE / "corpus" / target
     corpus.mkdir(parents=True, exist_ok=True)
-    given = [HERE / "seeds" / target, HERE / "kept" / target]
-    return corpus, [path for path in given if path.is_dir()]
+    kept = HERE / "kept" / f"{target}.zip"
+    if kept.exists():
+        with zipfile.ZipFile(kept) as archive:
+            archive.extractall(corpus)
+    return corpus, [HERE / "seeds" / target]
 
 
 def fuzz(target, seconds):
@@ -86,6 +93,7 @@ def fuzz(target, seconds):
     words = [program(target), *LIMITS, f"-max_len={LONGEST.get(target, 16384)}", "-print_final_stats=1"]
     words += [f"-artifact_prefix={artifacts}/", corpus, *given]
     start, used, executions, found = time.monotonic(), 0.0, 0, False
+    text, state = "", [("0",) * 4]
     while used < seconds and not found:
         before = set(artifacts.iterdir())
         with log.open("w") as out:
@@ -139,15 +147,24 @@ def cpu_seconds(pid):
 
 def keep(target):
     corpus, given = inputs(target)
-    least = HERE / "kept" / f"{target}.new"
-    shutil.rmtree(least, ignore_errors=True)
-    least.mkdir(parents=True)
-    words = [program(target), "-merge=1", least, corpus, *given]
-    subprocess.run([str(w) for w in words], check=True, stderr=subprocess.DEVNULL)
-    shutil.rmtree(HERE / "kept" / target, ignore_errors=True)
-    least.rename(HERE / "kept" / target)
-    files = [path.stat().st_size for path in (HERE / "kept" / target).iterdir()]
-    print(f"{target}: {len(files)} inputs kept, {sum(files)} bytes")
+    with tempfile.TemporaryDirectory() as least:
+        # what is longer than max_len would be cut, not left out
+        longest = f"-max_len={LONGEST.get(target, 16384)}"
+        words = [program(target), "-merge=1", longest, least, corpus, *given]
+        subprocess.run([str(w) for w in words], check=True, stderr=subprocess.DEVNULL)
+        # shortest first, until the archive is as large as a repository should bear
+        files = [path for path in Path(least).iterdir() if path.stat().st_size <= KEPT]
+        files.sort(key=lambda path: (path.stat().st_size, path.name))
+        archive = HERE / "kept" / f"{target}.zip"
+        archive.parent.mkdir(exist_ok=True)
+        count = 0
+        with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as out:
+            for path in files:
+                if archive.stat().st_size > ARCHIVE:
+                    break
+                out.writestr(zipfile.ZipInfo(path.name), path.read_bytes(), zipfile.ZIP_DEFLATED)
+                count += 1
+    print(f"{target}: {count} of {len(files)} inputs kept, {archive.stat().st_size} bytes")
 
 
 if __name__ == "__main__":

@@ -3,9 +3,9 @@
 Trained on the rows that the nets were trained on, judged by the same held-out rows, by the same measure
 (noise-free relative error, weighted by the cells' measure). The nets' line is what the run says of itself.
 
-- nearest: mean of the 8 nearest rows, weighted by inverse squared distance, columns p n v l in shares of
-  their spread (v left out where all is Lambertian); all rows of the run;
-- linear, quadratic: weighted regression of radiance a cell on p, n, v, l (squares and products too);
+- nearest: mean of the 8 nearest rows, weighted by inverse squared distance, columns p n v l and material in
+  shares of their spread (v left out where all is Lambertian); all rows of the run;
+- linear, quadratic: weighted regression of radiance a cell on the same columns (squares and products too);
 - mean: one colour a cell.
 
 Needs numpy, pyarrow and scipy. Linear outputs, one global net and linear regression as whole bakes are
@@ -21,27 +21,22 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from scipy.spatial import cKDTree
 
+sys.path.insert(0, str(Path(__file__).resolve().parent / "python"))
+from split import held_out  # noqa: E402
+
 GEOMETRY = [a + b for a in "pnvl" for b in "xyz"]
 NEIGHBOURS, QUERIES, FLOOR = 8, 20_000, 0.05
 
 
-def held_out(seed, index):
-    """As pipeline/bake/src/split.rs."""
-    with np.errstate(over="ignore"):
-        z = np.uint64(seed) ^ (index * np.uint64(0x9E3779B97F4A7C15))
-        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        return (z ^ (z >> np.uint64(31))) < np.uint64(((1 << 64) - 1) // 10 * 3)
-
-
 def load(run):
-    names = ["cell_id", "sample_index", *GEOMETRY]
+    material = ["base_r", "base_g", "base_b", "roughness", "metallic", "specular"]
+    names = ["cell_id", "sample_index", *GEOMETRY, *material]
     names += [f"y{h}_{c}" for h in (0, 1) for c in "rgb"]
     files = sorted((run / "samples").rglob("*.parquet"))
     table = pa.concat_tables([pq.ParquetFile(f).read(names) for f in files])
     stack = lambda names: np.stack([table[n].to_numpy() for n in names], 1).astype(float)
     y = np.stack([stack([f"y{h}_{c}" for c in "rgb"]) for h in (0, 1)])
-    return table["cell_id"].to_numpy(), table["sample_index"].to_numpy(), stack(GEOMETRY), y
+    return table["cell_id"].to_numpy(), table["sample_index"].to_numpy(), stack(GEOMETRY + material), y
 
 
 def nearest(x, y, queries):

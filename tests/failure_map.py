@@ -42,16 +42,16 @@ def run(command):
 
 
 def bake(args, name, scene, box, **settings):
-    """Held-out relative error and its standard error; a run that is there is read."""
-    folder = args.work / name
+    """The run, its held-out relative error and its standard error; a run that is there is read."""
+    chosen = {"cells": CELLS_FIXED, "rows": ROWS, "paths": PATHS_FIXED} | settings
+    chosen["rows"] = max(int(chosen["rows"] * args.scale), 1000)
+    folder = args.work / "-".join([name, *map(str, chosen.values())])
     if not (folder / "model" / "weights.arrow").exists():
-        chosen = {"cells": CELLS_FIXED, "rows": ROWS, "paths": PATHS_FIXED} | settings
-        chosen["rows"] = max(int(chosen["rows"] * args.scale), 1000)
         options = [x for key, value in chosen.items() for x in (f"--{key}", value)]
         command = [args.rrf, "bake", scene, "-o", folder, f"--light-box={box}", "--rounds", 1, "-q"]
         run([*command, *options])
     judged = json.loads((folder / "rounds/000/judged.json").read_text())["judgement"]
-    return judged["relative_error"], judged["relative_error_se"]
+    return folder, judged["relative_error"], judged["relative_error_se"]
 
 
 def with_roughness(roughness, to):
@@ -70,8 +70,8 @@ def with_roughness(roughness, to):
 
 def fresh_rows(args):
     """Rows that no net was trained on: another seed's samples."""
-    folder = args.work / "fresh"
     rows = max(int(40_000 * args.scale), 1000)
+    folder = args.work / f"fresh-{rows}"
     if not folder.exists():
         command = [args.rrf, "extract", CORNELL, "-o", folder, f"--light-box={FREE}", "--seed", 2]
         run([*command, "--cells", 1, "--rows", rows, "--paths", 128, "-q"])
@@ -118,7 +118,7 @@ def by_distance(args, baked):
     table = fresh_rows(args)
     points, answers = args.work / "fresh.parquet", args.work / "answers.parquet"
     pq.write_table(table.select(GEOMETRY), points)
-    run([args.rrf, "query", args.work / baked, "--points", points, "-o", answers])
+    run([args.rrf, "query", baked, "--points", points, "-o", answers])
     stack = lambda t, names: np.stack([t[n].to_numpy() for n in names], 1).astype(float)
     p = stack(pq.read_table(answers), "rgb")
     y = [stack(table, [f"y{h}_{c}" for c in "rgb"]) for h in (0, 1)]
@@ -187,18 +187,18 @@ def main():
     rows = []
     for r in ROUGHNESS:
         scene = with_roughness(r, args.work / f"rough-{r}.glb")
-        rows.append((f"{r}", r, *bake(args, f"rough-{r}", scene, OVERHEAD)))
+        rows.append((f"{r}", r, *bake(args, f"rough-{r}", scene, OVERHEAD)[1:]))
     text = "The glossy room with one roughness on every surface; back wall and tall box are metal."
     section(page, folder, "roughness", "Roughness", "roughness", ROUGHNESS, rows, text)
-    rows = [(f"{n}", n, *bake(args, f"paths-{n}", CORNELL, FREE, paths=n)) for n in PATHS]
+    rows = [(f"{n}", n, *bake(args, "free", CORNELL, FREE, paths=n)[1:]) for n in PATHS]
     text = "The Cornell box, lights anywhere: noise of the samples up to some 64 paths a row, then what one net can do "
     text += "with a cell of this size."
     section(page, folder, "paths", "Paths a row", "paths a row", PATHS, rows, text)
-    rows = [(f"{n}", n, *bake(args, f"cells-{n}", CORNELL, FREE, cells=n)) for n in CELLS]
+    rows = [(f"{n}", n, *bake(args, "free", CORNELL, FREE, cells=n)[1:]) for n in CELLS]
     text = "The same rows shared out to more and more cells. Cells alone are not enough, nor are paths: the rounds of a "
     text += "bake, which put both where the error is, reach 5.4 % here ([accuracy](accuracy.md))."
     section(page, folder, "cells", "Cells", "cells", CELLS, rows, text)
-    rows = by_distance(args, f"paths-{PATHS_FIXED}")
+    rows = by_distance(args, bake(args, "free", CORNELL, FREE)[0])
     text = "Fresh rows of the same scene. A light at a surface makes that surface a second light."
     section(page, folder, "distance", "Light and nearest surface", "distance of the light", [r[1] for r in rows], rows, text)
     page += ["## What the program then does", ""]
@@ -206,7 +206,8 @@ def main():
     page += ["`render` and the page of `rrf view` warn of a light that is nearer to a surface than 2.5 % of the light"]
     page += ["box's diagonal (0.07 m in the room above), outside the box, or inside a solid. Points outside what a cell was"]
     page += ["trained on are marked (`trusted`, layer `trust`); `render --fallback trace` path-traces such pixels, and"]
-    page += ["`rrf trace` the whole frame. A mirror is not for a net: below a roughness of some 0.4, path-trace."]
+    page += ["`rrf trace` the whole frame. Sharp reflections are not for nets of this size: below a roughness of some 0.4, where one"]
+    page += ["round leaves 17 % and more, path-trace."]
     (folder / "failure-map.md").write_text("\n".join(page) + "\n")
     print(folder / "failure-map.md")
 

@@ -66,8 +66,8 @@ def main():
     parser.add_argument("--work", type=Path, default=HERE.parent / "target" / "parsimony")
     args = parser.parse_args()
     for scene in args.scenes:
-        file, box, target = SCENES[scene][:3]
-        whole = bake(args, scene, file, box, target, [])
+        file, box, target, always = SCENES[scene][:4]
+        whole = bake(args, scene, file, box, target, always)
         print(f"{scene}, target {target:.0%}, {len(whole)} rounds\n")
         print("| | held-out error | cells | weights | needed |\n|---|---|---|---|---|")
         row("the bake", whole[-1], target)
@@ -75,7 +75,7 @@ def main():
             row("without the last round", whole[-2], target)
         for what, options in PARTS.items():
             name = scene + "-" + what.replace(" ", "-")
-            fewer = bake(args, name, file, box, target, ["--rounds", len(whole), *options])
+            fewer = bake(args, name, file, box, target, [*always, "--rounds", len(whole), *options])
             row(what, fewer[-1], target)
 
 

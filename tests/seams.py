@@ -1,6 +1,6 @@
 """How much a model jumps from cell to cell: python3 tests/seams.py RUN [ROWS_A_CELL]
 
-Of each cell some of its samples, moved along one column onto the face of the cell's box that is
+Of each cell some of its held-out samples, moved along one column onto the face of the cell's box that is
 nearest (in shares of the cell's own size; faces within a tenth of it, columns of p, v and l). There
 the nets of both sides answer, where the cell beyond was trained on such rows too. Told are, all relative to max(luminance, ε), ε = 5 % of the mean:
 
@@ -23,6 +23,7 @@ import pyarrow.parquet as pq
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE / "python"))
 import nets  # noqa: E402
+from split import held_out  # noqa: E402
 
 RAW = [a + b for a in "pnvl" for b in "xyz"]
 RAW += ["base_r", "base_g", "base_b", "roughness", "metallic", "specular"]
@@ -75,13 +76,15 @@ def main(run, rows_a_cell="400"):
     weights = {net["cell_id"]: net for net in read(run / "model/weights.arrow")}
     last = sorted((run / "rounds").glob("*/judged.json"))[-1]
     judged = {c["cell"]: c["measure"] for c in json.loads(last.read_text())["judgement"]["cells"]}
+    seed = json.loads((run / "run.json").read_text())["seed"]
     x, y, own, weight, size = [], [], [], [], []
     for cell in weights:
         parts = sorted((run / f"samples/cell={cell:06d}").glob("*.parquet"))
         table = pa.concat_tables([pq.ParquetFile(part).read() for part in parts])
         raw = np.stack([table[n].to_numpy() for n in RAW], 1).astype(float)
         halves = [np.stack([table[f"y{h}_{c}"].to_numpy() for c in RGB], 1).astype(float) for h in (0, 1)]
-        some = np.arange(0, len(raw), max(1, len(raw) // count))[:count]
+        some = np.flatnonzero(held_out(seed, table["sample_index"].to_numpy()))
+        some = some[:: max(1, len(some) // count)][:count]
         x.append(raw[some])
         y.append(np.stack([half[some] for half in halves]))
         own += [cell] * len(some)

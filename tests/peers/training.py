@@ -311,7 +311,11 @@ def seconds_to(rows: list, error: float) -> float | None:
 
 def main(cell: str, out: str, rounds: str = "3", programs: str = "") -> None:
     task = problem(cell)
-    chosen = {name: PROGRAMS[name] for name in programs.split(",") if name} or PROGRAMS
+    named = [name for name in programs.split(",") if name]
+    if unknown := set(named) - set(PROGRAMS):
+        sys.exit(f"no such program: {', '.join(unknown)}; there are {', '.join(PROGRAMS)}")
+    # the levels are numpy LM's
+    chosen = {name: PROGRAMS[name] for name in [*named, "numpy LM"]} if named else PROGRAMS
     train, kept = 3 * task["train"], 3 * (len(task["x"]) - task["train"])
     runs = {name: [] for name in chosen}
     for _ in range(int(rounds)):

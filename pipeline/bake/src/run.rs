@@ -248,8 +248,11 @@ impl Run {
         if found.seed != asked.seed {
             return differ("seed", found.seed.to_string(), asked.seed.to_string());
         }
-        if found.config != asked.config {
-            let (found, asked) = differences(&found.config, &asked.config);
+        // as parsed: settings that are younger than the run have their defaults
+        let config = serde_json::to_value(&self.config)
+            .map_err(|error| corrupt(Path::new("run.json"), error.to_string()))?;
+        if config != asked.config {
+            let (found, asked) = differences(&config, &asked.config);
             return differ("configuration", found, asked);
         }
         Ok(())

@@ -52,6 +52,12 @@ impl Baked {
         [Vec3::new(x0, y0, z0), Vec3::new(x1, y1, z1)]
     }
 
+    /// The same of the box that eyes were expected in.
+    pub fn eye_box(&self) -> Option<[Vec3; 2]> {
+        let eye_box = self.run.config.extract.eye_box?;
+        Some([eye_box.minimum, eye_box.maximum].map(Vec3::from))
+    }
+
     /// The scene that frames are traced in: with its lamps where they shine.
     pub fn shown(&self, lights: &Lights) -> &Scene {
         if self.has_lamps(lights) {
@@ -105,6 +111,7 @@ impl Baked {
             view.eye,
             positions,
             Some(self.light_box()),
+            self.eye_box(),
             |place| lookout.inside_solid(place),
             |place| on_surface(tracer, place),
             |place, reach| tracer.distance(place, reach),

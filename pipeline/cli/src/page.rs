@@ -32,6 +32,7 @@ pub fn run(args: &PageArgs) -> anyhow::Result<()> {
         trusted: &|rows| baked.trusted(rows),
         inside_solid: &|p| lookout.inside_solid(p),
         light_box: baked.light_box(),
+        eye_box: baked.eye_box(),
         view: start,
         lights,
         run: args.run.display().to_string(),

@@ -90,7 +90,10 @@ impl Tree {
                 ));
             }
             if self.cell[node] != u32::MAX {
-                return Err(format!("node {node} is split, but cell {}", self.cell[node]));
+                return Err(format!(
+                    "node {node} is split, but cell {}",
+                    self.cell[node]
+                ));
             }
             if left <= node || left + 1 >= n || reached[left] || reached[left + 1] {
                 return Err(format!("node {node}: left child {left} of {n} nodes"));

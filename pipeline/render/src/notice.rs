@@ -11,6 +11,13 @@ pub enum Notice {
         /// Position of the eye.
         eye: Vec3,
     },
+    /// The eye is where none was expected: what it sees may have had no samples.
+    EyeOutsideBox {
+        /// Position of the eye.
+        eye: Vec3,
+        /// Least and greatest corner of the box that eyes were expected in.
+        eye_box: [Vec3; 2],
+    },
     /// A light is inside a solid and lights nothing outside.
     LightInSolid {
         /// Its place in the list.
@@ -54,6 +61,14 @@ impl std::fmt::Display for Notice {
                 f,
                 "the eye at {eye} is inside a solid: the frame shows its inner side"
             ),
+            Notice::EyeOutsideBox {
+                eye,
+                eye_box: [low, high],
+            } => write!(
+                f,
+                "the eye at {eye} is outside the box {low} to {high} that the bake expected eyes in: \
+                 what is not seen from there had no samples"
+            ),
             Notice::LightInSolid { light, position } => write!(
                 f,
                 "point light {light} at {position} is inside a solid: it lights nothing outside"
@@ -71,7 +86,7 @@ impl std::fmt::Display for Notice {
             } => write!(
                 f,
                 "point light {light} at {position} is {distance:.3} from a surface, nearer than \
-                 {least:.3}: expect several times the usual error of the indirect light"
+                 {least:.3}: expect twice the usual error of the indirect light, and more the nearer it is"
             ),
             Notice::LightOutsideBox {
                 light,
@@ -91,7 +106,9 @@ impl Notice {
     pub fn is_fatal(&self) -> bool {
         !matches!(
             self,
-            Notice::LightOutsideBox { .. } | Notice::LightNearSurface { .. }
+            Notice::LightOutsideBox { .. }
+                | Notice::LightNearSurface { .. }
+                | Notice::EyeOutsideBox { .. }
         )
     }
 }
@@ -117,11 +134,13 @@ pub fn on_surface(tracer: &Tracer, place: Vec3) -> bool {
 
 /// What a user should know of a view and its lights. `inside_solid` answers whether a free
 /// place is inside a solid, `on_surface` whether one is no free place, `distance` how far the nearest
-/// surface is if that is within a reach; `light_box` is the baked one, where nets are to be used.
+/// surface is if that is within a reach; `light_box` is the baked one, where nets are to be used, `eye_box`
+/// the one that eyes were expected in.
 pub fn notices(
     eye: Vec3,
     lights: impl Iterator<Item = Vec3>,
     light_box: Option<[Vec3; 2]>,
+    eye_box: Option<[Vec3; 2]>,
     inside_solid: impl Fn(Vec3) -> bool,
     on_surface: impl Fn(Vec3) -> bool,
     distance: impl Fn(Vec3, f32) -> Option<f32>,
@@ -129,6 +148,10 @@ pub fn notices(
     let mut notices = Vec::new();
     if inside_solid(eye) {
         notices.push(Notice::EyeInSolid { eye });
+    }
+    let outside = |[low, high]: &[Vec3; 2], p: Vec3| !(p.cmpge(*low) & p.cmple(*high)).all();
+    if let Some(eye_box) = eye_box.filter(|b| outside(b, eye)) {
+        notices.push(Notice::EyeOutsideBox { eye, eye_box });
     }
     for (light, position) in lights.enumerate() {
         if on_surface(position) {
@@ -146,9 +169,7 @@ pub fn notices(
                 }),
             );
         }
-        let outside =
-            |[low, high]: &[Vec3; 2]| !(position.cmpge(*low) & position.cmple(*high)).all();
-        if let Some(light_box) = light_box.filter(outside) {
+        if let Some(light_box) = light_box.filter(|b| outside(b, position)) {
             notices.push(Notice::LightOutsideBox {
                 light,
                 position,
@@ -172,10 +193,11 @@ mod tests {
             Vec3::new(11.0, 0.0, 0.0),
         ];
         let light_box = [Vec3::splat(-1.0), Vec3::ONE];
-        let told = |eye: Vec3, light_box| {
+        let told = |eye: Vec3, light_box: Option<[Vec3; 2]>| {
             let near = |p: Vec3, reach: f32| (p == Vec3::ZERO).then_some(0.5 * reach);
             let on = |p: Vec3| p.y == 2.0;
-            let notices = notices(eye, places.into_iter(), light_box, solid, on, near);
+            let eye_box = light_box.map(|[low, high]| [low, Vec3::new(50.0, high.y, high.z)]);
+            let notices = notices(eye, places.into_iter(), light_box, eye_box, solid, on, near);
             let lines = notices.iter().map(|n| n.to_string());
             lines.collect::<Vec<_>>()
         };
@@ -193,5 +215,8 @@ mod tests {
         assert!(lines[2].starts_with("point light 2 at [11, 0, 0] is inside a solid"));
         assert!(lines[3].starts_with("point light 2 at [11, 0, 0] is outside"));
         assert_eq!(told(Vec3::ZERO, None).len(), 2);
+        let lines = told(Vec3::new(0.0, 0.0, -3.0), Some(light_box));
+        let eye = "the eye at [0, 0, -3] is outside the box [-1, -1, -1] to [50, 1, 1]";
+        assert!(lines[0].starts_with(eye), "{lines:?}");
     }
 }

@@ -76,7 +76,7 @@ impl<'a> Prospect<'a> {
         let config = self.config;
         let divide_base = config.divide_base;
         let (train, all) = (uses.train.len(), uses.train.len() + uses.validation.len());
-        let (inputs, unvaried) = prepare::scale_inputs(&self.ids, &raw, 0..train);
+        let (inputs, unvaried) = prepare::scale_inputs(&self.ids, &raw, 0..train, divide_base);
         let floor = floor(&raw, all, config);
         let judged = if train == 0 { 0..all } else { 0..train };
         let output =

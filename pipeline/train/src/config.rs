@@ -96,7 +96,7 @@ pub struct TrainConfig {
     pub mode: Mode,
     /// Weight decay.
     pub decay: Decay,
-    /// Nets that start from different first weights; a fit that goes on from an earlier net is one.
+    /// Nets that start from different first weights, each from two beginnings where outputs are exponents; a fit that goes on from an earlier net is one.
     /// The best go on from rung to rung, half as many at each, one on all rows; without rungs all
     /// run to the end.
     pub starts: usize,

@@ -123,12 +123,18 @@ fn each_value(id: u8, rows: &Ordered, range: Range<usize>, mut see: impl FnMut(f
 }
 
 /// The inputs `ids` scaled over the training rows `train`, and those that do not vary there:
-/// whose standard deviation is below 1e-5 of the largest absolute value among the coordinates
+/// whose standard deviation is below [`WOBBLE`] of the largest absolute value among the coordinates
 /// they belong with (f32 coordinates of a plane wobble by 1e-7 of that).
+///
+/// In a `lambert` cell also those that differ from their usual value in fewer than [`FEWEST`] rows. A
+/// strip of wall in a cell of floor is a few rows, many deviations away: points there would get
+/// whatever a net makes of such inputs, and shine. Where materials are glossy such a strip may be
+/// ten times as dark as its cell; even three rows are then better than none (docs/accuracy.md).
 pub(crate) fn scale_inputs(
     ids: &[u8],
     rows: &Ordered,
     train: Range<usize>,
+    lambert: bool,
 ) -> (Vec<Input>, Vec<u8>) {
     let n = train.len().max(1) as f64;
     // largest absolute value, mean
@@ -148,20 +154,45 @@ pub(crate) fn scale_inputs(
             .filter(|(other, ..)| same_family(*other, id))
             .map(|(_, size, _)| *size)
             .fold(0.0, f64::max);
-        let mut squares = 0.0;
+        let usual = usual(id, rows, train.clone());
+        let (mut squares, mut differ) = (0.0, 0);
         each_value(id, rows, train.clone(), |x| {
             squares += (x - mean) * (x - mean);
+            differ += usize::from((x - usual).abs() > WOBBLE * family);
         });
         let deviation = (squares / n).sqrt();
         let (offset, scale) = (mean as f32, (1.0 / deviation) as f32);
         // An f32 scale underflows for spreads beyond 1e38: such an input cannot be stored.
-        if deviation > 1e-5 * family && scale.is_normal() && offset.is_finite() {
+        let varies = deviation > WOBBLE * family && !(lambert && differ < FEWEST);
+        if varies && scale.is_normal() && offset.is_finite() {
             inputs.push(Input { id, offset, scale });
         } else {
             dropped.push(id);
         }
     }
     (inputs, dropped)
+}
+
+/// Share of the largest coordinate that rounding makes.
+const WOBBLE: f64 = 1e-5;
+/// Rows that have to differ.
+const FEWEST: usize = 5;
+/// Rows that tell what is usual.
+const FEW: usize = 33;
+
+/// An input's usual value: the median over the first few rows, which are in random order.
+fn usual(id: u8, rows: &Ordered, train: Range<usize>) -> f64 {
+    let mut first = Vec::with_capacity(FEW);
+    each_value(
+        id,
+        rows,
+        train.start..train.end.min(train.start + FEW),
+        |x| {
+            first.push(x);
+        },
+    );
+    first.sort_by(f64::total_cmp);
+    first.get(first.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Coordinates of one vector in one unit; every other input stands alone.

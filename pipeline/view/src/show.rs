@@ -20,6 +20,8 @@ pub struct Show<'a> {
     pub inside_solid: &'a (dyn Fn(Vec3) -> bool + Sync),
     /// Least and greatest corner of the baked light box.
     pub light_box: [Vec3; 2],
+    /// The same of the box that eyes were expected in.
+    pub eye_box: Option<[Vec3; 2]>,
     /// Where the page starts to look from.
     pub view: View,
     /// What shines at first.
@@ -63,6 +65,7 @@ impl<'a> Show<'a> {
             ask.view().eye,
             positions,
             Some(self.light_box),
+            self.eye_box,
             self.inside_solid,
             |place| on_surface(self.tracer, place),
             |place, reach| self.tracer.distance(place, reach),

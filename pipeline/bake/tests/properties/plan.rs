@@ -79,7 +79,8 @@ proptest! {
 }
 
 /// The fuzz targets begin with a run that opens, and with a plan, a judgement and tasks that are read
-/// to the end: a field that is added goes there too.
+/// to the end: a field that is added goes there too, and a version of the program makes other hashes
+/// (`rrf plan` in a folder of the seeds `run.json` and `plan.json`, without their first byte, writes them).
 #[test]
 fn the_fuzz_targets_run_opens() {
     let seeds = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/small/");

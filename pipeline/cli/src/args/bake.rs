@@ -40,8 +40,8 @@ pub struct BakeSettings {
     /// Where lights may stand; by default the middle 80 % of the scene's bounds.
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = parse_box, allow_hyphen_values = true)]
     pub light_box: Option<[f32; 6]>,
-    /// Where eyes may be: what cannot be seen from there gets no rows and no error; by default all surface
-    /// counts.
+    /// Where eyes may be: what 64 places in it do not see gets no rows and counts in no error; by default all
+    /// surface counts.
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = parse_box, allow_hyphen_values = true)]
     pub eye_box: Option<[f32; 6]>,
     /// Relative error to reach.

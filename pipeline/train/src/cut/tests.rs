@@ -44,6 +44,21 @@ fn cuts_at_a_step() {
     }
 }
 
+/// A tenth of the rows beyond a gap, where no quantile is.
+#[test]
+fn cuts_at_the_widest_gap() {
+    let mut rows = rows(3000);
+    for x in &mut rows.columns[4] {
+        *x = if *x < 0.1 { *x - 1.0 } else { *x };
+    }
+    let cut = cut(&rows, |r| if r[4] < 0.0 { 1e-3 } else { 1.0 }).unwrap();
+    assert!(
+        cut.axis == 4 && (-0.9..0.1).contains(&cut.threshold),
+        "{cut:?}"
+    );
+    assert!(cut.after < 1e-5 * cut.before, "{cut:?}");
+}
+
 /// Residuals of the whole equal those of a fit by plain Gram-Schmidt on the terms.
 #[test]
 fn residual_equals_orthogonal_projection() {

@@ -19,6 +19,25 @@ fn constant_and_zero_inputs_are_dropped_and_named() {
     assert!(cell.error(&fit.model, smooth) < 0.1 * cells::of_the_mean(&cell));
 }
 
+/// In a Lambertian cell two rows of three thousand that lie elsewhere teach nothing about elsewhere; thirty do.
+#[test]
+fn an_input_of_a_few_odd_rows_is_dropped() {
+    for (odd, lambert, dropped) in [(2, true, true), (2, false, false), (30, true, false)] {
+        let mut cell = Cell::new(3000, 0.02, smooth);
+        let turned = |i: usize| if i % (3000 / odd) == 7 { 0.0 } else { 1.0 };
+        *cell.column("pz") = (0..3000).map(turned).collect();
+        for base in ["base_r", "base_g", "base_b"] {
+            cell.column(base).fill(1.0);
+        }
+        let mut config = cells::config();
+        config.inputs.push("pz".into());
+        config.divide_base = lambert;
+        let fit = cell.fit(&config);
+        let names = cells::names(&fit.report.dropped_inputs);
+        assert_eq!(names.contains(&"pz"), dropped, "{odd}: {names:?}");
+    }
+}
+
 /// 2^40 = 1.1e12, a power of two: the scaled inputs are the same numbers, so is the net.
 /// (A vector's coordinates go together: beside one of 1e12 another of 1 counts as rounding.)
 #[test]

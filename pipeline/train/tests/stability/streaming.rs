@@ -188,12 +188,20 @@ impl Keeper for Album {
 /// steps that were left.
 #[test]
 fn a_fit_goes_on_from_any_of_its_states() {
+    for exponential in [false, true] {
+        goes_on(&TrainConfig {
+            exponential,
+            ..config()
+        });
+    }
+}
+
+fn goes_on(config: &TrainConfig) {
     let cell = cell(0.02);
-    let config = config();
-    let whole = fit_from(kept(None), 0, samples(&cell), &config).unwrap();
+    let whole = fit_from(kept(None), 0, samples(&cell), config).unwrap();
     let album = Album::default();
     assert_same(
-        &fit_from(kept(Some(&album)), 0, samples(&cell), &config).unwrap(),
+        &fit_from(kept(Some(&album)), 0, samples(&cell), config).unwrap(),
         &whole,
     );
     let states = album.states.into_inner();
@@ -204,7 +212,7 @@ fn a_fit_goes_on_from_any_of_its_states() {
             ..Album::default()
         };
         assert_same(
-            &fit_from(kept(Some(&album)), 0, samples(&cell), &config).unwrap(),
+            &fit_from(kept(Some(&album)), 0, samples(&cell), config).unwrap(),
             &whole,
         );
         assert_eq!(album.states.into_inner(), states[at..]);
@@ -214,7 +222,7 @@ fn a_fit_goes_on_from_any_of_its_states() {
         first: states.last().cloned(),
         ..Album::default()
     };
-    assert_same(&spilled(&cell, 2000, &config, Some(&album)), &whole);
+    assert_same(&spilled(&cell, 2000, config, Some(&album)), &whole);
     assert_eq!(album.states.into_inner().len(), 1);
 }
 
