@@ -53,14 +53,14 @@ class Program:
         self.estimates.append(estimate)
 
 
-def rrf_program(binary: Path, scene: Path, table: Path, scratch: Path):
+def rrf_program(binary: Path, scene: Path, table: Path, estimator: str, scratch: Path):
     """`rrf trace --points` as a function of (spp, seed), and the standard errors it stated."""
     stated = []
 
     def run(spp: int, seed: int) -> np.ndarray:
         out = scratch / f"rrf-{spp}-{seed}.parquet"
         command = [binary, "trace", scene, "--points", table, "-o", out]
-        command += ["--spp", str(spp), "--seed", str(seed), "--quiet"]
+        command += ["--estimator", estimator, "--spp", str(spp), "--seed", str(seed), "--quiet"]
         subprocess.run(list(map(str, command)), check=True, stdout=subprocess.DEVNULL)
         result = pq.read_table(out)
         stated.append(columns(result, ERROR))
@@ -159,6 +159,7 @@ def write_page(page: Path, text: str):
 def options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rrf", type=Path, default=ROOT / "target/release/rrf")
+    parser.add_argument("--estimator", default="connected", help="of rrf: connected, as extraction, or next-event")
     parser.add_argument("--no-rrf", action="store_true", help="Mitsuba alone")
     parser.add_argument("--scene", type=Path, default=ROOT / "scenes/cornell-box/scene.pbrt")
     parser.add_argument("--points", type=Path, default=ORACLE / "cornell_overhead.parquet")
@@ -201,7 +202,7 @@ def main() -> int:
         ]
         stated = []
         if not args.no_rrf:
-            trace, stated = rrf_program(args.rrf, args.scene, args.points, scratch)
+            trace, stated = rrf_program(args.rrf, args.scene, args.points, args.estimator, scratch)
             programs.insert(0, Program("rrf trace --points", lambda seed: trace(spp, seed), spp))
         for program in programs:
             program.run(0)  # kernels compiled, files in the cache
