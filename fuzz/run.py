@@ -26,7 +26,7 @@ HERE = Path(__file__).resolve().parent
 TARGETS = ["pbrt", "gltf", "parquet", "arrow", "small"]
 LONGEST = {"parquet": 131072, "arrow": 65536}
 # bytes of an input that is kept, and of all that are kept
-KEPT, ARCHIVE = 80_000, 600_000
+KEPT, ARCHIVE = 80_000, 300_000
 TRIPLE = "x86_64-unknown-linux-gnu"
 COVERAGE = ["level=4", "inline-8bit-counters", "pc-table", "trace-compares"]
 FLAGS = [
