@@ -92,17 +92,7 @@ def contract_names():
     return [column["name"] for column in contract.load("samples")["column"]][2:20]
 
 
-def leaf(tree, rows) -> np.ndarray:
-    """The cell of every row: the walk that schemas/tree.toml describes. Shape [rows]."""
-    values = {name: rows[name].to_numpy() for name in contract_names()}
-    node = np.zeros(rows.num_rows, int)
-    axis_name, threshold = tree["axis_name"].to_pylist(), tree["threshold"].to_pylist()
-    left, cell = tree["left"].to_pylist(), np.array(tree["cell_id"].to_pylist(), object)
-    for at, name in enumerate(axis_name):  # children come after their parent
-        if name is not None:
-            here = node == at
-            node[here] = left[at] + (values[name][here] >= np.float32(threshold[at]))
-    return cell[node].astype(int)
+leaf = nets.leaf
 
 
 def read_exr(path) -> dict[str, np.ndarray]:

@@ -34,7 +34,7 @@ RGB = "rgb"
 
 def read(path):
     with pa.memory_map(str(path)) as source:
-        return pa.ipc.open_file(source).read_all().to_pylist()
+        return pa.ipc.open_file(source).read_all()
 
 
 def boxes(tree):
@@ -53,37 +53,34 @@ def boxes(tree):
     return found
 
 
-def cells_of(tree, x):
-    node = np.zeros(len(x), int)
-    for at, here in enumerate(tree):  # children come after their parent
-        if here["axis"] >= 0:
-            rows = node == at
-            node[rows] = here["left"] + (x[rows, here["axis"]] >= np.float32(here["threshold"]))
-    return np.array([tree[n]["cell_id"] for n in node])
+def named(x):
+    return pa.table({name: x[:, k] for k, name in enumerate(RAW)})
 
 
 def answers(weights, cells, x):
     out = np.zeros((len(x), 3))
     for cell in np.unique(cells):
         here = cells == cell
-        out[here] = nets.evaluate(weights[cell], pa.table({n: x[here, k] for k, n in enumerate(RAW)}))
+        out[here] = nets.evaluate(weights[cell], named(x[here]))
     return out
 
 
 def main(run, rows_a_cell="400"):
     run, count = Path(run), int(rows_a_cell)
-    tree = read(run / "model/tree.arrow")
-    weights = {net["cell_id"]: net for net in read(run / "model/weights.arrow")}
+    table = read(run / "model/tree.arrow")
+    tree = table.to_pylist()
+    leaf = lambda x: nets.leaf(table, named(x))
+    weights = {net["cell_id"]: net for net in read(run / "model/weights.arrow").to_pylist()}
     last = sorted((run / "rounds").glob("*/judged.json"))[-1]
     judged = {c["cell"]: c["measure"] for c in json.loads(last.read_text())["judgement"]["cells"]}
     seed = json.loads((run / "run.json").read_text())["seed"]
     x, y, own, weight, size = [], [], [], [], []
     for cell in weights:
         parts = sorted((run / f"samples/cell={cell:06d}").glob("*.parquet"))
-        table = pa.concat_tables([pq.ParquetFile(part).read() for part in parts])
-        raw = np.stack([table[n].to_numpy() for n in RAW], 1).astype(float)
-        halves = [np.stack([table[f"y{h}_{c}"].to_numpy() for c in RGB], 1).astype(float) for h in (0, 1)]
-        some = np.flatnonzero(held_out(seed, table["sample_index"].to_numpy()))
+        rows = pa.concat_tables([pq.ParquetFile(part).read() for part in parts])
+        raw = np.stack([rows[n].to_numpy() for n in RAW], 1).astype(float)
+        halves = [np.stack([rows[f"y{h}_{c}"].to_numpy() for c in RGB], 1).astype(float) for h in (0, 1)]
+        some = np.flatnonzero(held_out(seed, rows["sample_index"].to_numpy()))
         some = some[:: max(1, len(some) // count)][:count]
         x.append(raw[some])
         y.append(np.stack([half[some] for half in halves]))
@@ -115,7 +112,7 @@ def main(run, rows_a_cell="400"):
     over[np.arange(len(at)), axis[at]] = np.where(side[at] == 0, np.nextafter(f32, np.float32(-np.inf)), f32)
     within[np.arange(len(at)), axis[at]] = face + inwards * NEAR * size[at, axis[at]]
     # a face may be where one object ends and another begins: no seam, the nets never meet there
-    beyond = cells_of(tree, over)
+    beyond = leaf(over)
     domains = {n["cell_id"]: (n["domain_min"], n["domain_max"]) for n in tree if n["axis"] < 0}
     low, high = (np.array([domains[cell][k] for cell in beyond], float) for k in (0, 1))
     slack = 0.05 * (high - low) + 1e-4 * abs(high + low)
@@ -137,7 +134,7 @@ def main(run, rows_a_cell="400"):
     jumps, changes = median((mine - other) / d), median((mine - inside) / d)
     print(f"jump across faces              {jump:.2%}, median {jumps:.2%}")
     print(f"change over a tenth of a cell  {change:.2%}, median {changes:.2%}")
-    print(f"error near faces               {error(near):.2%}  (all rows {error(near | True):.2%})")
+    print(f"error near faces               {error(near):.2%}  (all rows {error(np.ones_like(near)):.2%})")
 
 
 if __name__ == "__main__":

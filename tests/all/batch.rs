@@ -71,6 +71,7 @@ fn faults_before_anything_starts() {
         bake("fine", &scene, ""),
         bake("no scene", "missing.pbrt", ""),
         bake("outside", &scene, "light_box = [5, 5, 5, 6, 6, 6]"),
+        bake("eyes", &scene, "eye_box = [7, 7, 7, 8, 8, 8]"),
         bake("preset", &scene, "preset = \"best\""),
         bake("method", &scene, "method = \"guess\""),
     ];
@@ -79,6 +80,7 @@ fn faults_before_anything_starts() {
         "fine\" is there twice",
         "missing.pbrt",
         "outside the scene",
+        "eye box 7,7,7,8,8,8",
         "\"best\"",
         "\"guess\": nets, linear-outputs",
     ];

@@ -20,6 +20,18 @@ def inputs(rows):
     return known
 
 
+def leaf(tree, rows):
+    """The cell of every row: the walk that schemas/tree.toml describes. Shape [rows]."""
+    axis_name, threshold = tree["axis_name"].to_pylist(), tree["threshold"].to_pylist()
+    left, cell = tree["left"].to_pylist(), np.array(tree["cell_id"].to_pylist(), object)
+    node = np.zeros(rows.num_rows, int)
+    for at, name in enumerate(axis_name):  # children come after their parent
+        if name is not None:
+            here = node == at
+            node[here] = left[at] + (rows[name].to_numpy()[here] >= np.float32(threshold[at]))
+    return cell[node].astype(int)
+
+
 def evaluate(net, rows):
     """Indirect radiance, shape [rows, 3]; net is one row of weights.arrow as a dict."""
     known = inputs(rows)

@@ -1,6 +1,6 @@
 //! Every setting of a bake, recorded in `run.json`.
 
-use rrf_extract::{ExtractConfig, LightBox, Weights};
+use rrf_extract::{ExtractConfig, Region, Weights};
 use rrf_scene::{LightUnits, LoadOptions};
 use rrf_train::{Precision, TrainConfig};
 use serde::{Deserialize, Serialize};
@@ -40,7 +40,7 @@ pub struct BakeConfig {
 
 impl BakeConfig {
     /// A preset's settings.
-    pub fn preset(preset: Preset, light_box: LightBox, seed: u64) -> BakeConfig {
+    pub fn preset(preset: Preset, light_box: Region, seed: u64) -> BakeConfig {
         let (cells, rows, paths, rounds, most_cells) = match preset {
             Preset::Preview => (16, 40_000, 64, 1, 16),
             Preset::Standard => (8, 50_000, 128, 32, 1000),

@@ -197,7 +197,7 @@ mod tests {
     use super::*;
     use crate::plan::one_cell;
     use crate::{BakeConfig, Preset};
-    use rrf_extract::LightBox;
+    use rrf_extract::Region;
 
     fn judged(noise: f64, gap: f64) -> CellJudgement {
         CellJudgement {
@@ -217,7 +217,7 @@ mod tests {
     /// The number of paths is the best of all powers of two for the time it takes.
     #[test]
     fn paths_are_the_best_for_their_time() {
-        let light_box = LightBox {
+        let light_box = Region {
             minimum: [0.0; 3],
             maximum: [1.0; 3],
         };

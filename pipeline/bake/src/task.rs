@@ -9,7 +9,7 @@ use crate::error::BakeError;
 use crate::job::{Boxes, CHAPTER, Chapter, Entry, OfCell, Shared};
 use crate::plan::{CellPlan, DrawPlan, Earlier, PartPlan, RoundPlan};
 use crate::run::Run;
-use rrf_extract::LightBox;
+use rrf_extract::Region;
 use rrf_store::layout::fit_folder;
 use rrf_store::task_table::TaskRow;
 use rrf_store::{model, parts};
@@ -187,7 +187,7 @@ struct PartInput<'a> {
     seed: u64,
     light_box: [f32; 6],
     #[serde(skip_serializing_if = "Option::is_none")]
-    eye_box: Option<LightBox>,
+    eye_box: Option<Region>,
     stream: u32,
     draw: &'a DrawPlan,
     /// The cell's box and the draw's.

@@ -5,7 +5,7 @@ use crate::place::Place;
 use crate::progress::Bars;
 use crate::scene;
 use rrf_bake::{BakeConfig, BakeError, Judgement, Next, Preset, Run, Site, Stage};
-use rrf_extract::{Census, ExtractError, LightBox};
+use rrf_extract::{Census, ExtractError, Region};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 use rrf_train::Size;
@@ -168,18 +168,18 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractE
     Ok(config)
 }
 
-fn boxed([x0, y0, z0, x1, y1, z1]: [f32; 6]) -> LightBox {
-    LightBox {
+fn boxed([x0, y0, z0, x1, y1, z1]: [f32; 6]) -> Region {
+    Region {
         minimum: [x0, y0, z0],
         maximum: [x1, y1, z1],
     }
 }
 
 /// The middle 80 % of the scene's bounds on each axis.
-fn middle(scene: &Scene) -> Result<LightBox, ExtractError> {
+fn middle(scene: &Scene) -> Result<Region, ExtractError> {
     let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
     let inner = |i: usize, share: f32| bounds.min[i] + share * (bounds.max[i] - bounds.min[i]);
-    let light_box = LightBox {
+    let light_box = Region {
         minimum: std::array::from_fn(|i| inner(i, 0.1)),
         maximum: std::array::from_fn(|i| inner(i, 0.9)),
     };

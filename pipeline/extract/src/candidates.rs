@@ -3,13 +3,14 @@
 //! Candidate `k` of a draw is point `k` of a scrambled Sobol sequence seeded by (seed, stream):
 //! the surface point is uniform over the area that lies in the cell's box of positions, the
 //! viewer direction uniform over the hemisphere, the light uniform in the cell's part of the
-//! light box. What falls outside the cell is rejected, so the accepted rows are uniform in it.
+//! light box. What falls outside the cell is rejected, so the accepted rows are uniform in it, but for
+//! what cannot be learned and, where eyes are given, what none of them sees.
 
 use crate::eyes::Eyes;
 use crate::outlook::{Lookout, Looks, Outlook};
 use crate::patches::Patches;
 use crate::sobol::Sobol;
-use crate::{Census, LightBox};
+use crate::{Census, Region};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
@@ -53,7 +54,7 @@ pub struct Proposal<'a> {
     eyes: Option<&'a Eyes>,
     patches: Patches,
     domain: Domain,
-    light: LightBox,
+    light: Region,
     sobol: Sobol,
 }
 
@@ -64,7 +65,7 @@ impl<'a> Proposal<'a> {
         tracer: &'a Tracer<'a>,
         lookout: &'a Lookout<'a>,
         domain: Domain,
-        light_box: LightBox,
+        light_box: Region,
         seed: u64,
     ) -> Option<Proposal<'a>> {
         let light = light_box.within(&domain)?;

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// An axis-aligned box of positions, of lights or of eyes, world frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LightBox {
+pub struct Region {
     /// Corner of the smallest coordinates.
     pub minimum: [f32; 3],
     /// Corner of the largest coordinates.
@@ -20,14 +20,14 @@ pub struct LightBox {
 }
 
 /// As it is typed: `x0,y0,z0,x1,y1,z1`.
-impl std::fmt::Display for LightBox {
+impl std::fmt::Display for Region {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let ([x0, y0, z0], [x1, y1, z1]) = (self.minimum, self.maximum);
         write!(f, "{x0},{y0},{z0},{x1},{y1},{z1}")
     }
 }
 
-impl LightBox {
+impl Region {
     /// The position at `u` in [0, 1)^3.
     pub fn at(&self, u: [f32; 3]) -> Vec3 {
         let (low, high) = (Vec3::from(self.minimum), Vec3::from(self.maximum));
@@ -40,12 +40,12 @@ impl LightBox {
     }
 
     /// The part of the box inside a cell's domain, or none.
-    pub fn within(&self, domain: &Domain) -> Option<LightBox> {
+    pub fn within(&self, domain: &Domain) -> Option<Region> {
         let minimum = std::array::from_fn(|i| self.minimum[i].max(domain.minimum[columns::L + i]));
         let maximum = std::array::from_fn(|i| self.maximum[i].min(domain.maximum[columns::L + i]));
         (0..3)
             .all(|i| minimum[i] <= maximum[i])
-            .then_some(LightBox { minimum, maximum })
+            .then_some(Region { minimum, maximum })
     }
 
     /// Checks the box of a `what` against the scene's bounds.
@@ -98,10 +98,10 @@ impl LightBox {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExtractConfig {
     /// Where lights may stand.
-    pub light_box: LightBox,
+    pub light_box: Region,
     /// Where eyes may be: rows are of surface that is seen from there; all surface without it.
     #[serde(default)]
-    pub eye_box: Option<LightBox>,
+    pub eye_box: Option<Region>,
     /// Seed of every random number.
     pub seed: u64,
     /// Candidates that the first tree is grown over.
@@ -171,7 +171,7 @@ pub enum ExtractError {
         /// Of lights or of eyes.
         what: &'static str,
         /// The box.
-        bounds: LightBox,
+        bounds: Region,
         /// What is wrong and what would be right.
         message: String,
     },

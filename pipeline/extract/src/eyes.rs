@@ -1,6 +1,6 @@
 //! Which surface frames will show: what is seen from where eyes may be.
 
-use crate::config::LightBox;
+use crate::config::Region;
 use crate::outlook::{Lookout, Looks};
 use glam::Vec3;
 use rrf_trace::SurfacePoint;
@@ -18,7 +18,7 @@ pub struct Eyes {
 
 impl Eyes {
     /// The places; none where all of the box lies inside solids.
-    pub fn new(lookout: &Lookout, eye_box: &LightBox) -> Option<Eyes> {
+    pub fn new(lookout: &Lookout, eye_box: &Region) -> Option<Eyes> {
         let mut looks = Looks::default();
         let places: Vec<Vec3> = (0..PLACES)
             .map(|i| eye_box.at(spread(i)))
@@ -58,10 +58,16 @@ mod tests {
     use rrf_scene::Scene;
     use rrf_trace::Tracer;
 
-    const EYE_BOX: LightBox = LightBox {
+    const EYE_BOX: Region = Region {
         minimum: [-0.9, 0.05, 0.2],
         maximum: [-0.3, 0.5, 0.9],
     };
+
+    fn in_the_box(see: impl FnOnce(&Scene, &Tracer, &Lookout)) {
+        let scene = cornell();
+        let tracer = Tracer::new(&scene).unwrap();
+        see(&scene, &tracer, &Lookout::new(&scene, &tracer));
+    }
 
     /// Whether a triangle crosses the open way from `a` to `b`, in f64 (Möller and Trumbore 1997).
     fn crosses(scene: &Scene, triangle: usize, a: glam::DVec3, b: glam::DVec3) -> bool {
@@ -77,83 +83,80 @@ mod tests {
     /// From a corner of the floor, behind the boxes: what every triangle asked one by one says.
     #[test]
     fn as_without_a_tree() {
-        let scene = cornell();
-        let tracer = Tracer::new(&scene).unwrap();
-        let lookout = Lookout::new(&scene, &tracer);
-        let eyes = EYE_BOX.eyes(&lookout).unwrap();
-        assert!(eyes.places.iter().all(|&e| EYE_BOX.contains(e)));
-        let sobol = crate::sobol::Sobol::new(3);
-        let mut looks = Looks::default();
-        let (mut seen, mut unseen) = (0, 0);
-        for k in 0..2000 {
-            let u = sobol.point(k);
-            let triangle = k as usize % scene.triangles.len();
-            let (a, b) = (1.0 - u[0].sqrt(), u[1] * u[0].sqrt());
-            let point = tracer.point(triangle as u32, [a, b]);
-            for side in [point.normal, -point.normal] {
-                let free = |e: Vec3| {
-                    let (from, to) = (point.position.as_dvec3(), e.as_dvec3());
-                    (to - from).dot(side.as_dvec3()) > 0.0
-                        && (0..scene.triangles.len())
-                            .filter(|&other| other != triangle)
-                            .all(|other| !crosses(&scene, other, from, to))
-                };
-                let expected = eyes.places.iter().any(|&e| free(e));
-                assert_eq!(
-                    eyes.see(&lookout, &point, side, &mut looks),
-                    expected,
-                    "{point:?}"
-                );
-                *(if expected { &mut seen } else { &mut unseen }) += 1;
+        in_the_box(|scene, tracer, lookout| {
+            let eyes = EYE_BOX.eyes(lookout).unwrap();
+            assert!(eyes.places.iter().all(|&e| EYE_BOX.contains(e)));
+            let sobol = crate::sobol::Sobol::new(3);
+            let mut looks = Looks::default();
+            let (mut seen, mut unseen) = (0, 0);
+            for k in 0..2000 {
+                let u = sobol.point(k);
+                let triangle = k as usize % scene.triangles.len();
+                let (a, b) = (1.0 - u[0].sqrt(), u[1] * u[0].sqrt());
+                let point = tracer.point(triangle as u32, [a, b]);
+                for side in [point.normal, -point.normal] {
+                    let free = |e: Vec3| {
+                        let (from, to) = (point.position.as_dvec3(), e.as_dvec3());
+                        (to - from).dot(side.as_dvec3()) > 0.0
+                            && (0..scene.triangles.len())
+                                .filter(|&other| other != triangle)
+                                .all(|other| !crosses(scene, other, from, to))
+                    };
+                    let expected = eyes.places.iter().any(|&e| free(e));
+                    assert_eq!(
+                        eyes.see(lookout, &point, side, &mut looks),
+                        expected,
+                        "{point:?}"
+                    );
+                    *(if expected { &mut seen } else { &mut unseen }) += 1;
+                }
             }
-        }
-        assert!(seen > 200 && unseen > 200, "{seen} {unseen}");
+            assert!(seen > 200 && unseen > 200, "{seen} {unseen}");
+        });
     }
 
     /// Every row of a proposal is seen, and it leaves some out.
     #[test]
     fn rows_are_seen() {
-        let scene = cornell();
-        let tracer = Tracer::new(&scene).unwrap();
-        let lookout = Lookout::new(&scene, &tracer);
-        let eyes = EYE_BOX.eyes(&lookout).unwrap();
-        let lights = LightBox {
-            minimum: [-0.6, 1.3, -0.6],
-            maximum: [0.6, 1.8, 0.6],
-        };
-        let all = rrf_field::tree::Domain::ALL;
-        let proposal = crate::Proposal::new(&scene, &tracer, &lookout, all, lights, 1)
-            .unwrap()
-            .seen_by(Some(&eyes));
-        let accepted = crate::accept(&proposal, 500, 64);
-        assert_eq!(accepted.rows.len(), 500);
-        assert!(accepted.census.unseen > 0, "{:?}", accepted.census);
-        let mut looks = Looks::default();
-        for (row, point) in accepted.surface.iter().enumerate() {
-            let v = Vec3::from(accepted.rows.vec3(rrf_field::columns::V, row));
-            let side = if point.normal.dot(v) < 0.0 {
-                -point.normal
-            } else {
-                point.normal
+        in_the_box(|scene, tracer, lookout| {
+            let eyes = EYE_BOX.eyes(lookout).unwrap();
+            let lights = Region {
+                minimum: [-0.6, 1.3, -0.6],
+                maximum: [0.6, 1.8, 0.6],
             };
-            assert!(eyes.see(&lookout, point, side, &mut looks));
-        }
+            let all = rrf_field::tree::Domain::ALL;
+            let proposal = crate::Proposal::new(scene, tracer, lookout, all, lights, 1)
+                .unwrap()
+                .seen_by(Some(&eyes));
+            let accepted = crate::accept(&proposal, 500, 64);
+            assert_eq!(accepted.rows.len(), 500);
+            assert!(accepted.census.unseen > 0, "{:?}", accepted.census);
+            let mut looks = Looks::default();
+            for (row, point) in accepted.surface.iter().enumerate() {
+                let v = Vec3::from(accepted.rows.vec3(rrf_field::columns::V, row));
+                let side = if point.normal.dot(v) < 0.0 {
+                    -point.normal
+                } else {
+                    point.normal
+                };
+                assert!(eyes.see(lookout, point, side, &mut looks));
+            }
+        });
     }
 
     #[test]
     fn an_eye_box_inside_a_solid_is_refused() {
-        let scene = cornell();
-        let tracer = Tracer::new(&scene).unwrap();
-        let lookout = Lookout::new(&scene, &tracer);
-        // within the short box
-        let inside = LightBox {
-            minimum: [0.3, 0.2, 0.3],
-            maximum: [0.35, 0.3, 0.35],
-        };
-        let refused = inside.eyes(&lookout).unwrap_err();
-        assert!(
-            refused.to_string().starts_with("eye box 0.3,0.2,0.3"),
-            "{refused}"
-        );
+        in_the_box(|_, _, lookout| {
+            // within the short box
+            let inside = Region {
+                minimum: [0.3, 0.2, 0.3],
+                maximum: [0.35, 0.3, 0.35],
+            };
+            let refused = inside.eyes(lookout).unwrap_err();
+            assert!(
+                refused.to_string().starts_with("eye box 0.3,0.2,0.3"),
+                "{refused}"
+            );
+        });
     }
 }

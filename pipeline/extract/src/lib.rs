@@ -20,7 +20,7 @@ mod solids;
 mod stage;
 
 pub use candidates::{Accepted, Proposal, Rejection, Row, accept};
-pub use config::{Census, ExtractConfig, ExtractError, LightBox};
+pub use config::{Census, ExtractConfig, ExtractError, Region};
 pub use eyes::Eyes;
 pub use first_tree::{Weights, cut};
 pub use outlook::{Lookout, Looks, Outlook};

@@ -1,7 +1,7 @@
 //! One draw of rows, path-traced.
 
 use crate::candidates::{Accepted, Proposal, accept};
-use crate::config::{Census, ExtractError, LightBox};
+use crate::config::{Census, ExtractError, Region};
 use crate::eyes::Eyes;
 use crate::outlook::Lookout;
 use crate::planning::scramble_seed;
@@ -54,7 +54,7 @@ pub fn extract(
     tracer: &Tracer,
     lookout: &Lookout,
     eyes: Option<&Eyes>,
-    light_box: LightBox,
+    light_box: Region,
     seed: u64,
     draw: &Draw,
 ) -> Result<Drawn, ExtractError> {

@@ -32,7 +32,7 @@ pub(crate) enum Begin {
     Fitted,
 }
 
-/// Steps towards the logarithm.
+/// Steps of [`Begin::Logarithm`].
 const FIRST_STEPS: usize = 10;
 
 /// A net under way.
@@ -137,7 +137,7 @@ impl<'a> Descent<'a> {
         self.w.clone_from(&self.best);
         let first_run = self.residuals == 0.0;
         if first_run && self.begin != Begin::Fitted {
-            self.begin(&mut problem, rows);
+            self.prepare_start(&mut problem, rows);
             self.best.clone_from(&self.w);
         } else if !first_run {
             self.lm.rescale_damping(residuals as f64 / self.residuals);
@@ -147,8 +147,8 @@ impl<'a> Descent<'a> {
         self.descend(&mut problem, &mut judge, leg)
     }
 
-    /// Random first weights made a beginning.
-    fn begin(&mut self, problem: &mut NetProblem<impl Rows>, rows: usize) {
+    /// Turns random first weights into what the first leg starts from.
+    fn prepare_start(&mut self, problem: &mut NetProblem<impl Rows>, rows: usize) {
         let (cell, residuals) = (self.cell, problem.residuals());
         let alpha = self.alpha * residuals;
         // Where there is no answer the output layer stays at zero: the mean, a valid start.

@@ -8,7 +8,7 @@ use rrf_train::cut::Rule;
 /// Each reason to stop at its border, and none beside it.
 #[test]
 fn stops_where_it_should() {
-    let light_box = rrf_extract::LightBox {
+    let light_box = rrf_extract::Region {
         minimum: [0.0; 3],
         maximum: [1.0; 3],
     };
@@ -128,7 +128,7 @@ fn a_budget_takes_what_fits() {
 /// is; no more cells than allowed.
 #[test]
 fn most_gain_a_second_first() {
-    let light_box = rrf_extract::LightBox {
+    let light_box = rrf_extract::Region {
         minimum: [0.0; 3],
         maximum: [1.0; 3],
     };

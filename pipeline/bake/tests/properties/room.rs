@@ -1,7 +1,7 @@
 //! A bake of the Cornell box that takes milliseconds.
 
 use rrf_bake::{BakeConfig, Halt, Preset, RoundPlan, Run, Site, Stage, Watch};
-use rrf_extract::LightBox;
+use rrf_extract::Region;
 use rrf_scene::{LoadOptions, Scene};
 use rrf_trace::Tracer;
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ pub fn with_run<T>(work: impl FnOnce(&Run, &RoundPlan, &Site) -> T) -> T {
 }
 
 fn config() -> BakeConfig {
-    let light_box = LightBox {
+    let light_box = Region {
         minimum: [-0.6, 1.3, -0.6],
         maximum: [0.6, 1.8, 0.6],
     };
