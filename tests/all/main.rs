@@ -13,6 +13,7 @@ mod frames;
 mod judge;
 mod program;
 mod same_bits;
+mod smaller;
 mod table;
 mod tasks;
 mod truth;

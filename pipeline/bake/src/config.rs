@@ -32,6 +32,9 @@ pub struct BakeConfig {
     pub rounds: u32,
     /// Cells at the most, after all rounds.
     pub most_cells: u32,
+    /// Nets lose what they can do without once the target is met.
+    #[serde(default)]
+    pub trim: bool,
     /// Plan and extraction.
     pub extract: ExtractConfig,
     /// Training.
@@ -46,6 +49,12 @@ impl BakeConfig {
             Preset::Standard => (8, 50_000, 128, 32, 1000),
             Preset::Fine => (32, 300_000, 128, 48, 4096),
         };
+        let train = TrainConfig::default();
+        let inputs = match preset {
+            // its cells are large
+            Preset::Preview => train.inputs,
+            _ => without_way_to_light(train.inputs),
+        };
         BakeConfig {
             preset,
             target: 0.05,
@@ -53,6 +62,7 @@ impl BakeConfig {
             light_units: LightUnits::Spec,
             rounds,
             most_cells,
+            trim: true,
             extract: ExtractConfig {
                 light_box,
                 eye_box: None,
@@ -66,11 +76,17 @@ impl BakeConfig {
             },
             train: TrainConfig {
                 seed,
+                inputs,
                 exponential: true,
                 precision: Precision::Single,
                 ..TrainConfig::default()
             },
         }
+    }
+
+    /// Direction and distance to the light among the nets' inputs.
+    pub fn with_way_to_light(&mut self) {
+        self.train.inputs = TrainConfig::default().inputs;
     }
 
     /// How the scene file is read.
@@ -80,4 +96,11 @@ impl BakeConfig {
             light_units: self.light_units,
         }
     }
+}
+
+/// In cells as small as splits make them, direction and distance to the light earn nothing: a net has
+/// both from the point and the light (docs/accuracy.md).
+fn without_way_to_light(mut inputs: Vec<String>) -> Vec<String> {
+    inputs.retain(|name| !["dx", "dy", "dz", "inv_distance"].contains(&name.as_str()));
+    inputs
 }

@@ -4,7 +4,7 @@
 //! Measured on one core of a 2-core AMD EPYC (AVX-512) with the Cornell box; other scenes and
 //! machines differ by a factor that is the same for all tasks of a stage.
 
-use crate::plan::{DrawPlan, MOST_ROWS, PartPlan};
+use crate::plan::{CellPlan, DrawPlan, MOST_ROWS, PartPlan};
 use rrf_trace::Tracer;
 use rrf_train::{LADDER, Size, TrainConfig, spill};
 
@@ -23,6 +23,8 @@ const STEP: f64 = 1.1e-11;
 /// Share of the iterations allowed that a fit takes, and one that goes on from an earlier net.
 const TAKEN: f64 = 0.6;
 const TAKEN_WARM: f64 = 0.3;
+/// How much longer a fit takes that takes something out of its net.
+const PRUNED: f64 = 1.6;
 /// Weights of a net that is not known yet.
 const SOME_WEIGHTS: u64 = 500;
 /// Inputs that vary in a cell, at the most: the normal or the material does not.
@@ -59,6 +61,15 @@ pub(crate) fn draw_seconds(rows: u32, paths: u32, path: f64) -> f64 {
 /// Bytes at the most.
 pub(crate) fn extract_memory(draw: &DrawPlan) -> u64 {
     BASE + u64::from(draw.rows) * DRAWN_ROW
+}
+
+/// Seconds of one core that a cell's fit takes, what is taken out of its net included.
+pub(crate) fn fit_seconds(rows: u64, cell: &CellPlan, config: &TrainConfig) -> f64 {
+    let warm = train_seconds(rows, &cell.size, config, cell.earlier.is_some());
+    match cell.prune {
+        Some(_) => PRUNED * warm,
+        None => warm,
+    }
 }
 
 /// Seconds of one core; `warm`: going on from an earlier net.

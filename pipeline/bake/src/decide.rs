@@ -14,6 +14,7 @@ use crate::plan::{CellPlan, Earlier, PartPlan, RoundPlan, draw_parts};
 use crate::remedy::{Action, Remedy, remedies_of};
 use crate::run::Run;
 use crate::task::cell_hashes;
+use crate::trim::trimming;
 use rayon::prelude::*;
 use rrf_train::cut::Cut;
 use serde::{Deserialize, Serialize};
@@ -76,7 +77,11 @@ pub fn decide(
     budget: Option<f64>,
 ) -> Result<(Next, Vec<Remedy>), BakeError> {
     if let Some(stop) = stop(&run.config, plan, judgement) {
-        return Ok((Next::Stop(stop), Vec::new()));
+        let next = match trimming(run, plan, judgement, stop, budget)? {
+            Some(next) => Next::Round(Box::new(next)),
+            None => Next::Stop(stop),
+        };
+        return Ok((next, Vec::new()));
     }
     let possible = remedies(run, plan, judgement)?;
     let experience = Experience::of(run, plan, &judgement.cells)?;
@@ -102,7 +107,9 @@ pub fn decide(
 
 fn stop(config: &BakeConfig, plan: &RoundPlan, judgement: &Judgement) -> Option<Stop> {
     let (error, se) = (judgement.relative_error, judgement.relative_error_se);
-    if error + se <= f64::from(config.target) {
+    if plan.trims.is_some() {
+        plan.trims
+    } else if error + se <= f64::from(config.target) {
         Some(Stop::Target)
     } else if error <= HIDDEN * se {
         Some(Stop::Noise)
@@ -241,7 +248,7 @@ fn apply(next: &mut RoundPlan, remedy: &Remedy, fit: String) {
 }
 
 /// What goes on from a cell's fit.
-fn earlier(cell: &CellPlan, task: String) -> Earlier {
+pub(crate) fn earlier(cell: &CellPlan, task: String) -> Earlier {
     Earlier {
         round: cell.fitted,
         cell: cell.cell,
@@ -268,6 +275,7 @@ fn split(next: &mut RoundPlan, old: &CellPlan, remedy: &Remedy, cut: &Cut, left:
             size: old.size.clone(),
             fitted: next.round,
             earlier: Some(earlier(old, fit.clone())),
+            prune: None,
         };
         let rows = (f64::from(remedy.rows) * (1.0 - share)).round() as u32;
         draw(next, &mut cell, node, rows, remedy.paths);

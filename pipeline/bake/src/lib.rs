@@ -31,6 +31,7 @@ mod run;
 mod seconds;
 mod split;
 mod task;
+mod trim;
 mod watch;
 mod work;
 

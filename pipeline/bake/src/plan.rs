@@ -1,5 +1,6 @@
 //! What one round of a bake has to do: `RUN/rounds/000/plan.json`.
 
+use crate::decide::Stop;
 use rrf_extract::{Census, FirstPlan};
 use rrf_field::tree::Tree;
 use rrf_train::Size;
@@ -44,6 +45,9 @@ pub struct CellPlan {
     /// The fit that this one goes on from.
     #[serde(default)]
     pub earlier: Option<Earlier>,
+    /// Its net loses what it can do without, while its error grows by no more than this share.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prune: Option<f64>,
 }
 
 /// A fit of an earlier round.
@@ -78,6 +82,9 @@ pub struct RoundPlan {
     pub path_seconds: f64,
     /// Candidates of the first plan, accepted and left out.
     pub census: Census,
+    /// Why the bake ends after this round, which only makes nets smaller.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trims: Option<Stop>,
 }
 
 impl RoundPlan {
@@ -98,6 +105,7 @@ impl RoundPlan {
             size: size.clone(),
             fitted: 0,
             earlier: None,
+            prune: None,
         });
         RoundPlan {
             round: 0,
@@ -109,6 +117,7 @@ impl RoundPlan {
             diagonal,
             path_seconds,
             census: plan.census,
+            trims: None,
         }
     }
 

@@ -206,7 +206,7 @@ pub fn rounds(run: &Run, site: &Site, watch: &dyn Watch) -> Result<Ended, BakeEr
                     census,
                     judgement: judged.judgement,
                     rounds: judged.round + 1,
-                    stop: Stop::Time,
+                    stop: plan.trims.unwrap_or(Stop::Time),
                 });
             }
             (work, _) => work?,

@@ -88,10 +88,7 @@ pub(crate) fn budget(
     let fitted = plan.cells.iter().zip(expected_rows(plan));
     let fitted = fitted.filter(|(cell, _)| cell.fitted == plan.round);
     let trained: f64 = fitted
-        .map(|(cell, rows)| {
-            let warm = cell.earlier.is_some();
-            cost::train_seconds(rows, &cell.size, &run.config.train, warm)
-        })
+        .map(|(cell, rows)| cost::fit_seconds(rows, cell, &run.config.train))
         .sum();
     Ok(Some(affordable(drawn + trained, &took, left)))
 }

@@ -96,12 +96,7 @@ fn entries(run: &Run, plan: &RoundPlan) -> Result<Vec<Entry>, BakeError> {
             cell: cell.cell,
             part: None,
             hash: fit,
-            seconds: cost::train_seconds(
-                rows,
-                &cell.size,
-                &run.config.train,
-                cell.earlier.is_some(),
-            ),
+            seconds: cost::fit_seconds(rows, cell, &run.config.train),
             memory: cost::train_memory(rows),
             least_memory: cost::spilled_memory(rows),
         };
@@ -262,6 +257,7 @@ pub(crate) fn fit_config(run: &Run, mean_luminance: f32, cell: &CellPlan) -> Tra
     TrainConfig {
         mean_luminance: Some(mean_luminance),
         size: cell.size.clone(),
+        prune: cell.prune.or(run.config.train.prune),
         ..run.config.train.clone()
     }
 }

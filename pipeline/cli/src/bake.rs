@@ -144,11 +144,9 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractE
     config.most_cells = args
         .most_cells
         .unwrap_or(config.most_cells.max(config.extract.cells));
+    config.trim = !args.no_trim;
     if let Some(Hidden(units)) = &args.hidden {
         config.train.size = Size::Hidden(units.clone());
-    }
-    if let Some(inputs) = &args.inputs {
-        config.train.inputs.clone_from(inputs);
     }
     match args.method {
         Method::Nets => {}
@@ -156,14 +154,19 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractE
         Method::LinearRegression => {
             config.train.exponential = false;
             config.train.size = Size::Hidden(Vec::new());
+            config.with_way_to_light();
             // a later round would give cells larger nets
             config.rounds = 1;
         }
         Method::GlobalNet => {
             (config.extract.cells, config.most_cells) = (1, 1);
             config.train.size = Size::Hidden(GLOBAL_NET.to_vec());
+            config.with_way_to_light();
             config.rounds = 1;
         }
+    }
+    if let Some(inputs) = &args.inputs {
+        config.train.inputs.clone_from(inputs);
     }
     Ok(config)
 }

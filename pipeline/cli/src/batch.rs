@@ -53,6 +53,7 @@ struct Settings {
     cells: Option<u32>,
     rounds: Option<u32>,
     most_cells: Option<u32>,
+    trim: Option<bool>,
     default_albedo: Option<f32>,
     light_units: Option<String>,
 }
@@ -234,6 +235,7 @@ fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettin
         cells: own.cells.or(defaults.cells),
         rounds: own.rounds.or(defaults.rounds),
         most_cells: own.most_cells.or(defaults.most_cells),
+        no_trim: !own.trim.or(defaults.trim).unwrap_or(true),
         method,
         hidden: None,
         inputs: None,

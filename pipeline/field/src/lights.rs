@@ -200,10 +200,12 @@ fn with<const FUSED: bool, const LANES: usize, const HALF: usize>(
         gather::<false>(packed, rows, ids, raw);
         let mut sum = [Lane::ZERO; 3];
         for (k, Reaching { light, start }) in reaching.iter().enumerate() {
-            for (lane, x) in raw[columns::L..].iter_mut().zip(light.position) {
-                lane.0.fill(x);
+            if packed.wanted.light {
+                for (lane, x) in raw[columns::L..].iter_mut().zip(light.position) {
+                    lane.0.fill(x);
+                }
+                derived::derive_block(raw, ids.len(), packed.wanted, derived);
             }
-            derived::derive_block(raw, ids.len(), packed.wanted, derived);
             // What the light does not change is scaled, and summed, for the first light only.
             let first = if k == 0 { 0 } else { packed.fixed };
             let scaled = &mut scratch.scaled;

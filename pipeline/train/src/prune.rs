@@ -12,7 +12,7 @@
 //! zeros.
 
 use crate::blocks::Normal;
-use crate::cell::Cell;
+use crate::cell::{Cell, TakenInput};
 use crate::descent::{Descent, Leg};
 use crate::linalg::Cholesky;
 use crate::lm::Problem;
@@ -44,27 +44,32 @@ impl Column {
             .map(|unit| start + unit * width + 1 + self.from)
             .collect()
     }
-
-    /// The net without the column and without the unit behind it.
-    fn remove(self, shape: &Shape, w: &[f64]) -> (Shape, Vec<f64>) {
-        let mut gone = vec![false; w.len()];
-        for place in self.places(shape) {
-            gone[place] = true;
-        }
-        if let Some(below) = self.layer.checked_sub(1) {
-            let width = shape.sizes[below] + 1;
-            let start = shape.offsets()[below] + self.from * width;
-            gone[start..start + width].fill(true);
-        }
-        let mut shape = shape.clone();
-        shape.sizes[self.layer] -= 1;
-        let kept = w.iter().zip(&gone).filter(|(_, gone)| !**gone);
-        (shape, kept.map(|(w, _)| *w).collect())
-    }
 }
 
-/// Columns tried at each round before pruning ends.
-const TRIES: usize = 4;
+/// The net without the columns and without the units behind them.
+fn remove(columns: &[Column], shape: &Shape, w: &[f64]) -> (Shape, Vec<f64>) {
+    let mut gone = vec![false; w.len()];
+    let mut smaller = shape.clone();
+    for column in columns {
+        for place in column.places(shape) {
+            gone[place] = true;
+        }
+        if let Some(below) = column.layer.checked_sub(1) {
+            let width = shape.sizes[below] + 1;
+            let start = shape.offsets()[below] + column.from * width;
+            gone[start..start + width].fill(true);
+        }
+        smaller.sizes[column.layer] -= 1;
+    }
+    let kept = w.iter().zip(&gone).filter(|(_, gone)| !**gone);
+    (smaller, kept.map(|(w, _)| *w).collect())
+}
+
+/// Share of what the squared error may still rise by that columns going at once are said to cost. What is
+/// said holds near the minimum; after the steps that follow the rise is several times that.
+const SAID: f64 = 0.3;
+/// Single columns tried before pruning ends.
+const TRIES: usize = 3;
 
 /// Steps after each removal.
 const MEND: Leg = Leg {
@@ -73,53 +78,126 @@ const MEND: Leg = Leg {
     patience: 4,
 };
 
-/// Removes inputs and units for as long as the squared error stays below `limit`.
+/// First damping of these steps: the minimum is near.
+const NEAR: f64 = 1e-5;
+
+/// Removes inputs and units for as long as the squared error stays below `limit`: several at once,
+/// half as many whenever that was too much.
 pub(crate) fn prune(cell: &mut Cell, mut net: Net, limit: f64) -> Net {
-    while let Some(smaller) = round(cell, &net, limit) {
-        net = smaller;
+    let Some(mut order) = cheapest(cell, &net) else {
+        return net;
+    };
+    let (mut most, mut tries) = (usize::MAX, 0);
+    while tries < TRIES {
+        let room = SAID * (limit - net.error);
+        let Some((columns, weights)) = order.without(&net, tries, most, room) else {
+            break;
+        };
+        match mended(cell, &net, &columns, &weights, limit) {
+            Some(smaller) => {
+                net = smaller;
+                tries = 0;
+                match cheapest(cell, &net) {
+                    Some(found) => order = found,
+                    None => break,
+                }
+            }
+            None if columns.len() > 1 => most = columns.len() / 2,
+            None => tries += 1,
+        }
     }
     net
 }
 
-/// One removal, or none that the limit allows.
-fn round(cell: &mut Cell, net: &Net, limit: f64) -> Option<Net> {
-    for (column, weights) in cheapest(cell, net)?.into_iter().take(TRIES) {
-        let (shape, weights) = column.remove(&net.shape, &weights);
-        let taken = (column.layer == 0).then(|| cell.take_input(column.from));
-        // exponents have no best output layer to begin with
-        let mut mended = match cell.config.exponential {
-            true => Descent::going_on(cell, shape, weights),
-            false => Descent::from_weights(cell, shape, 0, weights),
-        };
-        mended.alpha = net.alpha;
-        mended.run(MEND);
-        let smaller = Net {
-            error: mended.error,
-            alpha: mended.alpha,
-            shape: mended.shape,
-            weights: mended.best,
-        };
-        if smaller.error <= limit {
-            if let Some(taken) = taken {
-                cell.report.dropped_inputs.push(taken.id());
-            }
-            return Some(smaller);
-        }
-        if let Some(taken) = taken {
-            cell.put_input(column.from, taken);
-        }
+/// The net without the columns after a few steps, if its error is within the limit.
+fn mended(
+    cell: &mut Cell,
+    net: &Net,
+    columns: &[Column],
+    weights: &[f64],
+    limit: f64,
+) -> Option<Net> {
+    let (shape, weights) = remove(columns, &net.shape, weights);
+    let mut inputs: Vec<usize> = (columns.iter())
+        .filter(|column| column.layer == 0)
+        .map(|column| column.from)
+        .collect();
+    // from the last on, so that places stay true
+    inputs.sort_unstable_by(|a, b| b.cmp(a));
+    let taken: Vec<TakenInput> = inputs.iter().map(|&place| cell.take_input(place)).collect();
+    // exponents have no best output layer to begin with
+    let mut mended = match cell.config.exponential {
+        true => Descent::going_on(cell, shape, weights),
+        false => Descent::from_weights(cell, shape, 0, weights),
+    };
+    mended.alpha = net.alpha;
+    mended.lm.config.tau = NEAR;
+    mended.run(MEND);
+    let smaller = Net {
+        error: mended.error,
+        alpha: mended.alpha,
+        shape: mended.shape,
+        weights: mended.best,
+    };
+    if smaller.error <= limit {
+        let dropped = taken.iter().rev().map(TakenInput::id);
+        cell.report.dropped_inputs.extend(dropped);
+        return Some(smaller);
+    }
+    for (&place, taken) in inputs.iter().zip(taken).rev() {
+        cell.put_input(place, taken);
     }
     None
 }
 
-/// All columns whose removal leaves a net, the cheapest first, with the weights moved for it.
-fn cheapest(cell: &Cell, net: &Net) -> Option<Vec<(Column, Vec<f64>)>> {
+/// All columns whose removal leaves a net, the cheapest first.
+struct Order {
+    /// Each with what it is said to cost, ΔF a residual.
+    columns: Vec<(f64, Column)>,
+    /// H⁻¹.
+    inverse: Vec<f64>,
+}
+
+impl Order {
+    /// At most `most` columns from the `skip`-th on that cost no more than `room` together, no more than half
+    /// of a layer, and the weights moved for their going.
+    fn without(
+        &self,
+        net: &Net,
+        skip: usize,
+        most: usize,
+        room: f64,
+    ) -> Option<(Vec<Column>, Vec<f64>)> {
+        let mut left: Vec<usize> = net.shape.sizes.iter().map(|size| size / 2).collect();
+        let mut said = 0.0;
+        let order = self.columns.iter().skip(skip);
+        let within = order.take_while(|(cost, _)| {
+            said += cost;
+            said <= room
+        });
+        let of_half = within.filter(|(_, column)| {
+            let left = &mut left[column.layer];
+            let some = *left > 0;
+            *left -= usize::from(some);
+            some
+        });
+        let columns: Vec<Column> = of_half.map(|(_, column)| *column).take(most).collect();
+        let places: Vec<usize> = (columns.iter())
+            .flat_map(|column| column.places(&net.shape))
+            .collect();
+        let (_, moved) = without(&self.inverse, &net.weights, &places)?;
+        (!columns.is_empty()).then_some((columns, moved))
+    }
+}
+
+fn cheapest(cell: &Cell, net: &Net) -> Option<Order> {
     let rows = cell.train.first(usize::MAX);
     let residuals = rows.residuals().max(1);
     let mut normal = Normal::zeros(net.weights.len());
     let n = normal.n;
     NetProblem::new(&net.shape, rows, residuals, cell.loss)
         .exponential(cell.config.exponential)
+        .precision(cell.config.precision)
         .linearise(&net.weights, &mut normal);
     let mut factor = Cholesky::default();
     let decay = net.alpha * residuals as f64;
@@ -136,14 +214,14 @@ fn cheapest(cell: &Cell, net: &Net) -> Option<Vec<(Column, Vec<f64>)>> {
         };
         from.map(move |from| Column { layer, from })
     });
-    let mut costs: Vec<(f64, Column, Vec<f64>)> = columns
+    let mut columns: Vec<(f64, Column)> = columns
         .filter_map(|column| {
-            let (cost, moved) = without(&inverse, &net.weights, &column.places(&net.shape))?;
-            Some((cost, column, moved))
+            let (cost, _) = without(&inverse, &net.weights, &column.places(&net.shape))?;
+            Some((cost / residuals as f64, column))
         })
         .collect();
-    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Some(costs.into_iter().map(|(_, c, w)| (c, w)).collect())
+    columns.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Some(Order { columns, inverse })
 }
 
 /// ΔF of forcing the weights at `group` to zero, and all weights moved for it.
@@ -223,7 +301,7 @@ mod tests {
             sizes: vec![2, 3, 3],
         };
         let w: Vec<f64> = (0..shape.weights()).map(|i| i as f64).collect();
-        let (smaller, kept) = Column { layer: 1, from: 1 }.remove(&shape, &w);
+        let (smaller, kept) = remove(&[Column { layer: 1, from: 1 }], &shape, &w);
         assert_eq!(smaller.sizes, [2, 2, 3]);
         assert_eq!(
             kept,
@@ -231,8 +309,13 @@ mod tests {
                 0., 1., 2., 6., 7., 8., 9., 10., 12., 13., 14., 16., 17., 18., 20.
             ]
         );
-        let (smaller, kept) = Column { layer: 0, from: 0 }.remove(&shape, &w);
+        let (smaller, kept) = remove(&[Column { layer: 0, from: 0 }], &shape, &w);
         assert_eq!(smaller.sizes, [1, 3, 3]);
         assert_eq!(kept[..6], [0., 2., 3., 5., 6., 8.]);
+        // an input and a unit that reads it
+        let both = [Column { layer: 1, from: 1 }, Column { layer: 0, from: 0 }];
+        let (smaller, kept) = remove(&both, &shape, &w);
+        assert_eq!(smaller.sizes, [1, 2, 3]);
+        assert_eq!(kept, [0., 2., 6., 8., 9., 10., 12., 13., 14., 16., 17., 18., 20.]);
     }
 }

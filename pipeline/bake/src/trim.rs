@@ -1,0 +1,118 @@
+//! The last round of a bake that has met its target: inputs and units that the nets can do without go
+//! (`rrf_train`'s pruning), on the rows that there are, for as long as the whole still meets the target.
+//!
+//! With E² the squared error of the whole, E its standard error σ and T the target, nets may lose until
+//! A (1 + σ / E) = T. Each cell may add A² − E² to its own squared error, so that all of them add that
+//! to the whole's. It is to take no more than [`SHARE`] of the time that the samples
+//! took and fits to them would take.
+
+use crate::config::BakeConfig;
+use crate::cost;
+use crate::decide::{Stop, earlier};
+use crate::error::BakeError;
+use crate::job::{Boxes, Shared};
+use crate::judge::Judgement;
+use crate::plan::RoundPlan;
+use crate::run::Run;
+use crate::task::{cell_hashes, expected_rows};
+
+/// Most time that it may take, as a share of what drawing all samples so far and a fit of each cell should take.
+const SHARE: f64 = 0.5;
+
+/// The round, or none where there is nothing to lose or no time.
+pub(crate) fn trimming(
+    run: &Run,
+    plan: &RoundPlan,
+    judgement: &Judgement,
+    stop: Stop,
+    budget: Option<f64>,
+) -> Result<Option<RoundPlan>, BakeError> {
+    let config = &run.config;
+    let rounds_left = plan.round + 1 < config.rounds;
+    if !config.trim || stop != Stop::Target || plan.trims.is_some() || !rounds_left {
+        return Ok(None);
+    }
+    let slack = slack(judgement, f64::from(config.target));
+    let rows = expected_rows(plan);
+    let most = SHARE * anew(config, plan, &rows);
+    let most = budget.map_or(most, |budget| budget.min(most));
+    // the largest nets first, where time is short
+    let mut cells: Vec<_> = judgement.cells.iter().collect();
+    cells.sort_by(|a, b| b.weights.cmp(&a.weights).then(a.cell.cmp(&b.cell)));
+    let mut next = RoundPlan {
+        round: plan.round + 1,
+        trims: Some(stop),
+        ..plan.clone()
+    };
+    let (boxes, shared) = (Boxes::new(&plan.tree), Shared::of(plan));
+    let (mut spent, mut some) = (0.0, false);
+    for judged in cells {
+        let Some(cell) = next.cells.get_mut(judged.cell as usize) else {
+            continue;
+        };
+        let Some(share) = share(judged.square_error, slack) else {
+            continue;
+        };
+        let rows = rows.get(judged.cell as usize).copied().unwrap_or(0);
+        let (_, fit) = cell_hashes(run, &shared, &boxes.of_cell(plan, cell)?)?;
+        cell.earlier = Some(earlier(cell, fit));
+        cell.fitted = next.round;
+        cell.prune = Some(share);
+        spent += cost::fit_seconds(rows, cell, &config.train);
+        if spent > most {
+            next.cells[judged.cell as usize] = plan.cells[judged.cell as usize].clone();
+            break;
+        }
+        some = true;
+    }
+    Ok(some.then_some(next))
+}
+
+/// Seconds of one core that all samples and a first fit of each cell to them should take.
+fn anew(config: &BakeConfig, plan: &RoundPlan, rows: &[u64]) -> f64 {
+    let drawn = plan.draws.iter();
+    let drawn = drawn.map(|d| cost::draw_seconds(d.rows, d.paths, plan.path_seconds));
+    let fitted = plan.cells.iter().zip(rows);
+    let fitted = fitted.map(|(c, &rows)| cost::train_seconds(rows, &c.size, &config.train, false));
+    drawn.sum::<f64>() + fitted.sum::<f64>()
+}
+
+/// A² − E².
+fn slack(judgement: &Judgement, target: f64) -> f64 {
+    let (error, se) = (judgement.relative_error, judgement.relative_error_se);
+    if error <= 0.0 {
+        return 0.0;
+    }
+    let allowed = target / (1.0 + se / error);
+    (allowed * allowed - error * error).max(0.0)
+}
+
+/// What a cell's error may grow by, as a share of it; none where rows cannot tell it from zero.
+fn share(square_error: f64, slack: f64) -> Option<f64> {
+    (square_error > 0.0).then(|| (1.0 + slack / square_error).sqrt() - 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cells that lose all that they may bring the whole to where error and standard error, in
+    /// proportion, meet the target.
+    #[test]
+    fn all_of_the_slack_is_shared_out() {
+        let judgement = Judgement {
+            relative_error: 0.04,
+            relative_error_se: 0.002,
+            cells: Vec::new(),
+        };
+        let slack = slack(&judgement, 0.05);
+        let (measures, squares) = ([0.25, 0.75], [0.0004, 0.002]);
+        let after: f64 = (measures.iter().zip(squares))
+            .map(|(m, e)| m * e * (1.0 + share(e, slack).unwrap()).powi(2))
+            .sum();
+        let before: f64 = measures.iter().zip(squares).map(|(m, e)| m * e).sum();
+        let error = (0.04f64.powi(2) + after - before).sqrt();
+        assert!((error * (1.0 + 0.002 / 0.04) - 0.05).abs() < 1e-12);
+        assert_eq!(share(-1e-5, slack), None);
+    }
+}
