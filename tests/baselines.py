@@ -6,7 +6,10 @@ Trained on the rows that the nets were trained on, judged by the same held-out r
 - nearest: mean of the 8 nearest rows, weighted by inverse squared distance, columns p n v l and material in
   shares of their spread (v left out where all is Lambertian); all rows of the run;
 - linear, quadratic: weighted regression of radiance a cell on the same columns (squares and products too);
-- mean: one colour a cell.
+- mean: one colour a cell;
+- probes (Lambertian scenes): a grid of irradiance probes, spherical harmonics up to the second order of the normal at
+  6 x 6 x 6 places, each for 4 x 4 x 4 places of the light, trilinear in both; coefficients by least squares on at
+  most 150,000 rows, the best of three ridges.
 
 Needs numpy, pyarrow and scipy. Linear outputs, one global net and linear regression as whole bakes are
 `rrf bake --method`.
@@ -19,6 +22,8 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from scipy.sparse import csr_matrix, diags
+from scipy.sparse.linalg import lsmr
 from scipy.spatial import cKDTree
 
 sys.path.insert(0, str(Path(__file__).resolve().parent / "python"))
@@ -26,6 +31,7 @@ from split import held_out  # noqa: E402
 
 GEOMETRY = [a + b for a in "pnvl" for b in "xyz"]
 NEIGHBOURS, QUERIES, FLOOR = 8, 20_000, 0.05
+ROWS, PLACES, LIGHTS = 150_000, 6, 4
 
 
 def load(run):
@@ -46,6 +52,52 @@ def nearest(x, y, queries):
     distance, rows = tree.query(queries[:, keep] / spread[keep], NEIGHBOURS, eps=0.5)
     weight = 1 / (distance**2 + 1e-9)
     return (weight[..., None] * y[rows]).sum(1) / weight.sum(1)[:, None]
+
+
+def corners(x, low, high, count):
+    """The eight grid points around each place and their trilinear weights, [rows, 8]."""
+    at = np.clip((x - low) / np.maximum(high - low, 1e-9), 0, 1) * (count - 1)
+    first = np.minimum(at.astype(int), count - 2)
+    share = at - first
+    ids, weights = [], []
+    for corner in np.ndindex(2, 2, 2):
+        place = first + corner
+        ids.append((place[:, 0] * count + place[:, 1]) * count + place[:, 2])
+        weights.append(np.where(corner, share, 1 - share).prod(1))
+    return np.stack(ids, 1), np.stack(weights, 1)
+
+
+def harmonics(n):
+    """Real spherical harmonics up to the second order, but for their constants, [rows, 9]."""
+    x, y, z = n.T
+    return np.stack([x * 0 + 1, x, y, z, x * y, y * z, x * z, x * x - y * y, 3 * z * z - 1], 1)
+
+
+def probes(x, y, queries, epsilon):
+    """Radiance over base colour from a grid of probes; the predictions of each ridge."""
+    column = lambda v, name: v[:, GEOMETRY.index(name) : GEOMETRY.index(name) + 3]
+    some = np.random.default_rng(1).permutation(len(x))[:ROWS]
+    x, y = x[some], y[some]
+    base, lit = (np.maximum(v[:, 12:15], 1e-6) for v in (x, queries))
+    bounds = [(column(x, a).min(0), column(x, a).max(0)) for a in ("px", "lx")]
+
+    def matrix(v):
+        (p, u), (l, w) = (corners(column(v, a), *b, c) for a, b, c in zip(("px", "lx"), bounds, (PLACES, LIGHTS)))
+        ids = (p[:, :, None] * LIGHTS**3 + l[:, None, :])[..., None] * 9 + np.arange(9)
+        values = (u[:, :, None] * w[:, None, :])[..., None] * harmonics(column(v, "nx"))[:, None, None, :]
+        rows = np.arange(0, ids.size + 1, 8 * 8 * 9)
+        shape = (len(v), PLACES**3 * LIGHTS**3 * 9)
+        return csr_matrix((values.astype(np.float32).ravel(), ids.astype(np.int32).ravel(), rows), shape)
+
+    weight = base / np.maximum(y.mean(1), epsilon)[:, None]
+    design, asked, found = matrix(x), matrix(queries), {}
+    for ridge in (0.1, 0.3, 1.0):
+        p = np.zeros((len(queries), 3))
+        for c in range(3):
+            scaled = diags(weight[:, c].astype(np.float32)) @ design
+            p[:, c] = asked @ lsmr(scaled, weight[:, c] * y[:, c] / base[:, c], damp=ridge, maxiter=60)[0]
+        found[f"probes, ridge {ridge}"] = p * lit
+    return found
 
 
 def terms(x, degree):
@@ -74,7 +126,8 @@ def main(runs):
         judged = json.loads(last.read_text())["judgement"]
         measure = {c["cell"]: c["measure"] for c in judged["cells"]}
         cell, index, x, y = load(run)
-        if all(json.loads((run / "rounds/000/plan.json").read_text())["lambert"]):
+        lambert = all(json.loads((run / "rounds/000/plan.json").read_text())["lambert"])
+        if lambert:
             x[:, [GEOMETRY.index(n) for n in ("vx", "vy", "vz")]] = 0
         held, mean = held_out(seed, index), y.mean(0)
         count = dict(zip(*np.unique(cell[held], return_counts=True)))
@@ -84,6 +137,8 @@ def main(runs):
         some = some[:: max(1, len(some) // QUERIES)]
         train = ~held
         predictions = {"nearest rows": nearest(x[train], mean[train], x[some])}
+        if lambert:
+            predictions |= probes(x[train], mean[train], x[some], epsilon)
         for degree, name in enumerate(("mean of the cell", "linear regression", "quadratic regression")):
             p = np.zeros((len(some), 3))
             for c in np.unique(cell):

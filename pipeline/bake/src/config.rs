@@ -49,11 +49,10 @@ impl BakeConfig {
             Preset::Standard => (8, 50_000, 128, 32, 1000),
             Preset::Fine => (32, 300_000, 128, 48, 4096),
         };
-        let train = TrainConfig::default();
-        let inputs = match preset {
+        let lambert_without = match preset {
             // its cells are large
-            Preset::Preview => train.inputs,
-            _ => without_way_to_light(train.inputs),
+            Preset::Preview => Vec::new(),
+            _ => WAY_TO_LIGHT.map(String::from).to_vec(),
         };
         BakeConfig {
             preset,
@@ -76,17 +75,12 @@ impl BakeConfig {
             },
             train: TrainConfig {
                 seed,
-                inputs,
+                lambert_without,
                 exponential: true,
                 precision: Precision::Single,
                 ..TrainConfig::default()
             },
         }
-    }
-
-    /// Direction and distance to the light among the nets' inputs.
-    pub fn with_way_to_light(&mut self) {
-        self.train.inputs = TrainConfig::default().inputs;
     }
 
     /// How the scene file is read.
@@ -98,9 +92,6 @@ impl BakeConfig {
     }
 }
 
-/// In cells as small as splits make them, direction and distance to the light earn nothing: a net has
-/// both from the point and the light (docs/accuracy.md).
-fn without_way_to_light(mut inputs: Vec<String>) -> Vec<String> {
-    inputs.retain(|name| !["dx", "dy", "dz", "inv_distance"].contains(&name.as_str()));
-    inputs
-}
+/// In cells as small as splits make them a net has these from the point and the light; they hardly earn
+/// their keep but where highlights depend on them (docs/accuracy.md).
+const WAY_TO_LIGHT: [&str; 4] = ["dx", "dy", "dz", "inv_distance"];

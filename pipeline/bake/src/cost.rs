@@ -23,8 +23,8 @@ const STEP: f64 = 1.1e-11;
 /// Share of the iterations allowed that a fit takes, and one that goes on from an earlier net.
 const TAKEN: f64 = 0.6;
 const TAKEN_WARM: f64 = 0.3;
-/// How much longer a fit takes that takes something out of its net.
-const PRUNED: f64 = 1.6;
+/// Steps in which inputs and units are taken out of a net: 24 to 44 a cell in the Cornell box.
+const PRUNE_STEPS: f64 = 44.0;
 /// Weights of a net that is not known yet.
 const SOME_WEIGHTS: u64 = 500;
 /// Inputs that vary in a cell, at the most: the normal or the material does not.
@@ -65,25 +65,34 @@ pub(crate) fn extract_memory(draw: &DrawPlan) -> u64 {
 
 /// Seconds of one core that a cell's fit takes, what is taken out of its net included.
 pub(crate) fn fit_seconds(rows: u64, cell: &CellPlan, config: &TrainConfig) -> f64 {
-    let warm = train_seconds(rows, &cell.size, config, cell.earlier.is_some());
     match cell.prune {
-        Some(_) => PRUNED * warm,
-        None => warm,
+        Some(_) => prune_seconds(rows, some_weights(&cell.size, config)),
+        None => train_seconds(rows, &cell.size, config, cell.earlier.is_some()),
     }
+}
+
+/// Seconds of one core that it takes to find out what a net of so many weights can do without.
+pub(crate) fn prune_seconds(rows: u64, weights: u64) -> f64 {
+    rows as f64 * PRUNE_STEPS * (weights * weights) as f64 * STEP
 }
 
 /// Seconds of one core; `warm`: going on from an earlier net.
 pub(crate) fn train_seconds(rows: u64, size: &Size, config: &TrainConfig, warm: bool) -> f64 {
+    let weights = some_weights(size, config) as f64;
+    let iterations = config.iterations as f64 * if warm { TAKEN_WARM } else { TAKEN };
+    rows as f64 * iterations * weights * weights * STEP
+}
+
+/// Weights of a net whose inputs are not known yet.
+fn some_weights(size: &Size, config: &TrainConfig) -> u64 {
     let inputs = config.inputs.len().min(VARYING_INPUTS);
-    let weights = match size {
+    match size {
         Size::Hidden(hidden) => weights(inputs, hidden),
         // the ladder is climbed until the target is reached: the middle
         Size::Smallest { .. } => LADDER
             .get(LADDER.len() / 2)
             .map_or(SOME_WEIGHTS, |hidden| weights(inputs, hidden)),
-    } as f64;
-    let iterations = config.iterations as f64 * if warm { TAKEN_WARM } else { TAKEN };
-    rows as f64 * iterations * weights * weights * STEP
+    }
 }
 
 fn weights(inputs: usize, hidden: &[usize]) -> u64 {

@@ -14,7 +14,8 @@ use crate::plan::RoundPlan;
 use crate::run::{Judged, Run};
 use crate::seconds;
 use crate::task::{Stage, Task, is_done, tasks};
-use crate::watch::Watch;
+use crate::trim;
+use crate::watch::{Halt, Watch};
 use crate::work::{Site, perform};
 use rrf_extract::Census;
 use rrf_store::layout::remove_unfinished;
@@ -194,14 +195,17 @@ pub fn rounds(run: &Run, site: &Site, watch: &dyn Watch) -> Result<Ended, BakeEr
         let work = [Stage::Extract, Stage::Train]
             .iter()
             .try_for_each(|&stage| perform_stage(run, &plan, Some(site), stage, None, watch));
+        let cut_off = matches!(work, Err(BakeError::Halted { why: Halt::Time }));
+        let (plan, work) = match cut_off.then(|| trim::trimmed_so_far(run, &plan)) {
+            Some(smaller) => match smaller? {
+                Some(smaller) => (smaller, Ok(())),
+                None => (plan, work),
+            },
+            None => (plan, work),
+        };
         match (work, judged) {
             // the model of the round before stands
-            (
-                Err(BakeError::Halted {
-                    why: crate::watch::Halt::Time,
-                }),
-                Some(judged),
-            ) => {
+            (Err(BakeError::Halted { why: Halt::Time }), Some(judged)) => {
                 return Ok(Ended {
                     census,
                     judgement: judged.judgement,

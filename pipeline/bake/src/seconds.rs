@@ -39,6 +39,14 @@ pub fn read_seconds(run: &Run, round: u32) -> Result<Option<Seconds>, BakeError>
     read_json(&path(run, round))
 }
 
+/// Puts down what a round took after all, where that was known.
+pub(crate) fn put(run: &Run, round: u32, took: Option<Seconds>) -> Result<(), BakeError> {
+    match took {
+        Some(took) => write_json(&path(run, round), &took),
+        None => Ok(()),
+    }
+}
+
 /// The place of a stage's time.
 pub(crate) fn of(stage: Stage) -> fn(&mut Seconds) -> &mut f64 {
     match stage {

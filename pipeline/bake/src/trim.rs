@@ -14,10 +14,14 @@ use crate::job::{Boxes, Shared};
 use crate::judge::Judgement;
 use crate::plan::RoundPlan;
 use crate::run::Run;
-use crate::task::{cell_hashes, expected_rows};
+use crate::seconds;
+use crate::task::{Stage, cell_hashes, expected_rows, is_done, tasks};
 
 /// Most time that it may take, as a share of what drawing all samples so far and a fit of each cell should take.
 const SHARE: f64 = 0.5;
+
+/// Share of the time left that it is to take.
+const CAREFUL: f64 = 0.8;
 
 /// The round, or none where there is nothing to lose or no time.
 pub(crate) fn trimming(
@@ -35,7 +39,7 @@ pub(crate) fn trimming(
     let slack = slack(judgement, f64::from(config.target));
     let rows = expected_rows(plan);
     let most = SHARE * anew(config, plan, &rows);
-    let most = budget.map_or(most, |budget| budget.min(most));
+    let most = budget.map_or(most, |budget| most.min(CAREFUL * budget));
     // the largest nets first, where time is short
     let mut cells: Vec<_> = judgement.cells.iter().collect();
     cells.sort_by(|a, b| b.weights.cmp(&a.weights).then(a.cell.cmp(&b.cell)));
@@ -58,7 +62,7 @@ pub(crate) fn trimming(
         cell.earlier = Some(earlier(cell, fit));
         cell.fitted = next.round;
         cell.prune = Some(share);
-        spent += cost::fit_seconds(rows, cell, &config.train);
+        spent += cost::prune_seconds(rows, u64::from(judged.weights));
         if spent > most {
             next.cells[judged.cell as usize] = plan.cells[judged.cell as usize].clone();
             break;
@@ -66,6 +70,35 @@ pub(crate) fn trimming(
         some = true;
     }
     Ok(some.then_some(next))
+}
+
+/// What a round that was cut off has come to, as its plan: the other cells keep the fits that they had. None
+/// where it is no such round, or no fit is done.
+pub(crate) fn trimmed_so_far(
+    run: &Run,
+    plan: &RoundPlan,
+) -> Result<Option<RoundPlan>, BakeError> {
+    let before = match (plan.trims, plan.round.checked_sub(1)) {
+        (Some(_), Some(before)) => run.read_plan(before)?,
+        _ => None,
+    };
+    let Some(before) = before else {
+        return Ok(None);
+    };
+    let mut so_far = plan.clone();
+    for task in tasks(run, plan)? {
+        let cell = task.cell as usize;
+        if task.stage == Stage::Train && !is_done(run, &task)? {
+            so_far.cells[cell] = before.cells[cell].clone();
+        }
+    }
+    let some = so_far.cells.iter().any(|c| c.fitted == plan.round);
+    if some {
+        let took = seconds::read_seconds(run, plan.round)?;
+        run.write_plan(&so_far)?;
+        seconds::put(run, plan.round, took)?;
+    }
+    Ok(some.then_some(so_far))
 }
 
 /// Seconds of one core that all samples and a first fit of each cell to them should take.

@@ -154,19 +154,20 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractE
         Method::LinearRegression => {
             config.train.exponential = false;
             config.train.size = Size::Hidden(Vec::new());
-            config.with_way_to_light();
+            config.train.lambert_without.clear();
             // a later round would give cells larger nets
             config.rounds = 1;
         }
         Method::GlobalNet => {
             (config.extract.cells, config.most_cells) = (1, 1);
             config.train.size = Size::Hidden(GLOBAL_NET.to_vec());
-            config.with_way_to_light();
+            config.train.lambert_without.clear();
             config.rounds = 1;
         }
     }
     if let Some(inputs) = &args.inputs {
         config.train.inputs.clone_from(inputs);
+        config.train.lambert_without.clear();
     }
     Ok(config)
 }

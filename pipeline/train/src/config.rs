@@ -74,6 +74,9 @@ pub struct TrainConfig {
     /// Inputs to consider, as names in `rrf_field::model::INPUTS`; those that do not vary in a
     /// cell are dropped.
     pub inputs: Vec<String>,
+    /// Those of them that Lambertian cells do without.
+    #[serde(default)]
+    pub lambert_without: Vec<String>,
     /// Which nets to consider.
     pub size: Size,
     /// Take out inputs and units for as long as the validation error stays within this share
@@ -148,6 +151,7 @@ impl Default for TrainConfig {
         TrainConfig {
             seed: 1,
             inputs: inputs.map(String::from).to_vec(),
+            lambert_without: Vec::new(),
             size: Size::Hidden(vec![20, 10]),
             prune: None,
             divide_base: false,

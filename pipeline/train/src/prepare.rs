@@ -75,12 +75,17 @@ fn matters_to_lambert(id: u8) -> bool {
     !viewer && !(columns::BASE..columns::COUNT).contains(&column)
 }
 
-/// Inputs named in the configuration that can matter, in its order, and those that cannot.
+/// Inputs named in the configuration that a cell gets, in its order, and those that it does without.
 pub(crate) fn choose_inputs(config: &TrainConfig) -> Result<(Vec<u8>, Vec<u8>), TrainError> {
     let named = input_ids(config)?;
     Ok(named
         .into_iter()
-        .partition(|&id| !config.divide_base || matters_to_lambert(id)))
+        .partition(|&id| !config.divide_base || (matters_to_lambert(id) && !spared(config, id))))
+}
+
+fn spared(config: &TrainConfig, id: u8) -> bool {
+    let name = INPUTS.get(usize::from(id));
+    name.is_some_and(|name| config.lambert_without.iter().any(|spared| spared == name))
 }
 
 fn input_ids(config: &TrainConfig) -> Result<Vec<u8>, TrainError> {
