@@ -74,10 +74,7 @@ pub(crate) fn trimming(
 
 /// What a round that was cut off has come to, as its plan: the other cells keep the fits that they had. None
 /// where it is no such round, or no fit is done.
-pub(crate) fn trimmed_so_far(
-    run: &Run,
-    plan: &RoundPlan,
-) -> Result<Option<RoundPlan>, BakeError> {
+pub(crate) fn trimmed_so_far(run: &Run, plan: &RoundPlan) -> Result<Option<RoundPlan>, BakeError> {
     let before = match (plan.trims, plan.round.checked_sub(1)) {
         (Some(_), Some(before)) => run.read_plan(before)?,
         _ => None,

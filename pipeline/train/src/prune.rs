@@ -316,6 +316,9 @@ mod tests {
         let both = [Column { layer: 1, from: 1 }, Column { layer: 0, from: 0 }];
         let (smaller, kept) = remove(&both, &shape, &w);
         assert_eq!(smaller.sizes, [1, 2, 3]);
-        assert_eq!(kept, [0., 2., 6., 8., 9., 10., 12., 13., 14., 16., 17., 18., 20.]);
+        assert_eq!(
+            kept,
+            [0., 2., 6., 8., 9., 10., 12., 13., 14., 16., 17., 18., 20.]
+        );
     }
 }
