@@ -1,6 +1,7 @@
 //! A bake that has met its target gives nets no more weights than that takes.
 
 use crate::program::{OVERHEAD, Place, cornell, done};
+use std::path::PathBuf;
 
 /// Error, its standard error and the weights of all nets after each round.
 fn rounds(run: &str) -> Vec<(f64, f64, u64)> {
@@ -34,11 +35,27 @@ fn nets_lose_what_the_target_can_spare() {
     let said = of(&small, &[]);
     assert!(said.out.contains("the target is reached"), "{said:#?}");
     of(&whole, &["--no-trim"]);
-    let (small, whole) = (rounds(&small), rounds(&whole));
-    assert_eq!((small.len(), whole.len()), (2, 1));
-    assert_eq!(small[0], whole[0]);
-    let (before, (error, se, weights)) = (small[0], small[1]);
+    let (trimmed, whole) = (rounds(&small), rounds(&whole));
+    assert_eq!((trimmed.len(), whole.len()), (2, 1));
+    assert_eq!(trimmed[0], whole[0]);
+    let (before, (error, se, weights)) = (trimmed[0], trimmed[1]);
     assert!(before.0 + before.1 < 0.25, "nothing to spare: {before:?}");
     assert!(error + se <= 0.3, "{error} ± {se}");
     assert!(weights < before.2 / 2, "{weights} of {} left", before.2);
+
+    // cut off by a time limit before the last of its fits, the round keeps those that are done
+    for gone in ["judged.json", "fits/cell=000001"] {
+        let path = PathBuf::from(format!("{small}/rounds/001/{gone}"));
+        let removed = match path.is_dir() {
+            true => std::fs::remove_dir_all(&path),
+            false => std::fs::remove_file(&path),
+        };
+        removed.expect("a file of the round");
+    }
+    of(&small, &["--resume", "--time-limit", "0.001"]);
+    let cut_off = rounds(&small);
+    assert_eq!((cut_off.len(), cut_off[0]), (2, trimmed[0]));
+    let (left, all) = (cut_off[1].2, trimmed[0].2);
+    assert!(weights < left && left < all, "{weights} < {left} < {all}");
+    assert!(cut_off[1].0 + cut_off[1].1 <= 0.3, "{:?}", cut_off[1]);
 }

@@ -84,9 +84,12 @@ pub(crate) fn trimmed_so_far(run: &Run, plan: &RoundPlan) -> Result<Option<Round
     };
     let mut so_far = plan.clone();
     for task in tasks(run, plan)? {
+        if task.stage != Stage::Train || is_done(run, &task)? {
+            continue;
+        }
         let cell = task.cell as usize;
-        if task.stage == Stage::Train && !is_done(run, &task)? {
-            so_far.cells[cell] = before.cells[cell].clone();
+        if let (Some(cell), Some(old)) = (so_far.cells.get_mut(cell), before.cells.get(cell)) {
+            cell.clone_from(old);
         }
     }
     let some = so_far.cells.iter().any(|c| c.fitted == plan.round);
