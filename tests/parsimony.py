@@ -2,7 +2,7 @@
 python3 tests/parsimony.py [SCENE ...] [--rrf F] [--work DIR]
 
 Bakes a scene to its target (seed 1, --preset standard), then does without one part at a time, in as many
-rounds: without the last round's splits, with smaller layers, without a group of inputs; and with what the
+rounds of splits and untrimmed: without the last round's splits, with smaller layers, without a group of inputs; and with what the
 bake does without: nets as they were before trimming, direction and distance to the light everywhere. A part earns
 its keep where the error without it is above the target. Prints a table.
 """
@@ -38,7 +38,7 @@ PARTS = {
 
 
 def bake(args, name, scene, box, target, options):
-    """Error, standard error, cells and weights after each round."""
+    """Error, standard error, cells and weights after each round of splits, and of the finished model."""
     folder = args.work / name
     if not (folder / "model" / "weights.arrow").exists():
         command = [args.rrf, "bake", HERE.parent / scene, "-o", folder, f"--light-box={box}", "-q"]
@@ -47,12 +47,14 @@ def bake(args, name, scene, box, target, options):
         if done.returncode:
             sys.exit(done.stderr[-2000:])
     rounds = sorted((folder / "rounds").glob("*/judged.json"))
+    trims = ["trims" in json.loads(path.with_name("plan.json").read_text()) for path in rounds]
     found = [json.loads(path.read_text())["judgement"] for path in rounds]
     weights = [sum(cell["weights"] for cell in judged["cells"]) for judged in found]
-    return [
+    each = [
         (judged["relative_error"], judged["relative_error_se"], len(judged["cells"]), count)
         for judged, count in zip(found, weights)
     ]
+    return [row for row, trimmed in zip(each, trims) if not trimmed], each[-1]
 
 
 def row(what, found, target):
@@ -69,15 +71,17 @@ def main():
     args = parser.parse_args()
     for scene in args.scenes:
         file, box, target, always = SCENES[scene][:4]
-        whole = bake(args, scene, file, box, target, always)
-        print(f"{scene}, target {target:.0%}, {len(whole)} rounds\n")
+        whole, last = bake(args, scene, file, box, target, always)
+        print(f"{scene}, target {target:.1%}, {len(whole)} rounds of splits\n")
         print("| | held-out error | cells | weights | target |\n|---|---|---|---|---|")
-        row("the bake", whole[-1], target)
-        row("before trimming", whole[-2], target)
-        row("without the last round of splits", whole[-3], target)
+        row("the bake", last, target)
+        row("before trimming", whole[-1], target)
+        if len(whole) > 1:
+            row("without the last round of splits", whole[-2], target)
         for what, options in PARTS.items():
             name = scene + "-" + what.replace(" ", "-")
-            fewer = bake(args, name, file, box, target, [*always, "--rounds", len(whole), *options])
+            same = ["--rounds", len(whole), "--no-trim"]
+            fewer, _ = bake(args, name, file, box, target, [*always, *same, *options])
             row(what, fewer[-1], target)
 
 

@@ -6,7 +6,8 @@ the nets of both sides answer, where the cell beyond was trained on such rows to
 
 - jump: root mean square and median of the difference between the two nets, where they meet;
 - change: the same of how much the cell's own net changes from the face to a tenth of the cell inwards;
-- error of the model at the rows near a face and at all rows (free of Monte Carlo noise).
+- error of the model at the rows near a face and at all rows (free of Monte Carlo noise);
+- the same of rows near a face if the net beyond it were blended in.
 
 Two nets with independent errors of the size near a face differ by sqrt(2) times that error. With numpy
 alone, beside the program (tests/python/nets.py).
@@ -128,6 +129,8 @@ def main(run, rows_a_cell="400"):
     p = answers(weights, own, x)
     square = ((p - y[0]) * (p - y[1])).mean(1) / divisor**2
     error = lambda rows: max(float((weight[rows] * square[rows]).sum() / weight[rows].sum()), 0) ** 0.5
+    # the neighbour's net counts for half at the face and nothing a margin inwards
+    other_p, away_near = answers(weights, beyond, x[at]), flat[at, nearest[at]]
     jump, change = rms((mine - other) / d), rms((mine - inside) / d)
     print(f"{len(weights)} cells, {len(x)} rows, {near.mean():.0%} of them within a tenth of a cell of a face")
     median = lambda e: float(np.median((e**2).mean(1) ** 0.5))
@@ -135,6 +138,13 @@ def main(run, rows_a_cell="400"):
     print(f"jump across faces              {jump:.2%}, median {jumps:.2%}")
     print(f"change over a tenth of a cell  {change:.2%}, median {changes:.2%}")
     print(f"error near faces               {error(near):.2%}  (all rows {error(np.ones_like(near)):.2%})")
+    for margin in (0.05, 0.1):
+        share = np.maximum(0.5 * (1 - away_near / margin), 0)[:, None]
+        blended = (1 - share) * p[at] + share * other_p
+        rows, w = share[:, 0] > 0, weight[at]
+        squares = [((q - y[0, at]) * (q - y[1, at])).mean(1) / divisor[at] ** 2 for q in (p[at], blended)]
+        before, after = (max((w * s)[rows].sum() / w[rows].sum(), 0) ** 0.5 for s in squares)
+        print(f"blended within {margin:.0%} of a cell     {before:.2%} -> {after:.2%}")
 
 
 if __name__ == "__main__":

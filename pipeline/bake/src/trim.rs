@@ -51,22 +51,21 @@ pub(crate) fn trimming(
     let (boxes, shared) = (Boxes::new(&plan.tree), Shared::of(plan));
     let (mut spent, mut some) = (0.0, false);
     for judged in cells {
-        let Some(cell) = next.cells.get_mut(judged.cell as usize) else {
+        let id = judged.cell as usize;
+        let (Some(cell), Some(&rows)) = (next.cells.get_mut(id), rows.get(id)) else {
             continue;
         };
         let Some(share) = share(judged.square_error, slack) else {
             continue;
         };
-        let rows = rows.get(judged.cell as usize).copied().unwrap_or(0);
+        spent += cost::prune_seconds(rows, u64::from(judged.weights));
+        if spent > most {
+            break;
+        }
         let (_, fit) = cell_hashes(run, &shared, &boxes.of_cell(plan, cell)?)?;
         cell.earlier = Some(earlier(cell, fit));
         cell.fitted = next.round;
         cell.prune = Some(share);
-        spent += cost::prune_seconds(rows, u64::from(judged.weights));
-        if spent > most {
-            next.cells[judged.cell as usize] = plan.cells[judged.cell as usize].clone();
-            break;
-        }
         some = true;
     }
     Ok(some.then_some(next))

@@ -182,14 +182,18 @@ impl Order {
             some
         });
         let columns: Vec<Column> = of_half.map(|(_, column)| *column).take(most).collect();
+        if columns.is_empty() {
+            return None;
+        }
         let places: Vec<usize> = (columns.iter())
             .flat_map(|column| column.places(&net.shape))
             .collect();
         let (_, moved) = without(&self.inverse, &net.weights, &places)?;
-        (!columns.is_empty()).then_some((columns, moved))
+        Some((columns, moved))
     }
 }
 
+/// What each column is said to cost; none where the normal equations cannot be solved.
 fn cheapest(cell: &Cell, net: &Net) -> Option<Order> {
     let rows = cell.train.first(usize::MAX);
     let residuals = rows.residuals().max(1);

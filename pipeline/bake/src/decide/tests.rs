@@ -35,6 +35,17 @@ fn stops_where_it_should() {
     assert_eq!(after(0, 0.060, 0.029), None);
     assert_eq!(after(1, 0.060, 0.001), None);
     assert_eq!(after(2, 0.060, 0.001), Some(Stop::Rounds));
+    // a round that only makes nets smaller is the last one, whatever its error
+    let last = RoundPlan {
+        trims: Some(Stop::Target),
+        ..one_cell(256)
+    };
+    let judgement = Judgement {
+        relative_error: 0.060,
+        relative_error_se: 0.001,
+        cells: Vec::new(),
+    };
+    assert_eq!(stop(&config, &last, &judgement), Some(Stop::Target));
 }
 
 fn remedy(action: Action, rows: u32) -> Remedy {

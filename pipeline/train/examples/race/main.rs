@@ -91,16 +91,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut fit = Fit::new(part(train, rows), w.to_vec(), config, precision);
     let steps: usize = steps.parse()?;
     let first = if warm { WARM.min(steps) } else { 0 };
-    // fewer rows than that teach a net of so many weights their noise, and full steps have to undo it
-    let few = train.div_ceil(4).max(ROWS_A_WEIGHT * weights).min(train);
-    fit.run(part(0, few), first, part(0, train));
+    fit.run(part(0, train.div_ceil(4)), first, part(0, train));
     fit.run(part(0, train), steps - first, part(0, train));
     Ok(())
 }
 
-/// Steps on a quarter of the rows, or more where that is fewer than so many a weight.
+/// Steps on a quarter of the rows.
 const WARM: usize = 12;
-const ROWS_A_WEIGHT: usize = 3;
 
 /// A net under way.
 struct Fit<'a> {
