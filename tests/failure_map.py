@@ -196,7 +196,7 @@ def main():
     section(page, folder, "paths", "Paths a row", "paths a row", PATHS, rows, text)
     rows = [(f"{n}", n, *bake(args, "free", CORNELL, FREE, cells=n)[1:]) for n in CELLS]
     text = "The same rows shared out to more and more cells. Cells alone are not enough, nor are paths: the rounds of a "
-    text += "bake, which put both where the error is, reach 5.4 % here ([accuracy](accuracy.md))."
+    text += "bake, which put both where the error is, reach 5.1 % here ([accuracy](accuracy.md))."
     section(page, folder, "cells", "Cells", "cells", CELLS, rows, text)
     rows = by_distance(args, bake(args, "free", CORNELL, FREE)[0])
     text = "Fresh rows of the same scene. A light at a surface makes that surface a second light."
