@@ -1,6 +1,7 @@
 //! `rrf bake`, `rrf extract`, `rrf train`.
 
-use crate::args::{BakeArgs, BakeSettings, ExtractArgs, Hidden, Method, TrainArgs, TrainMode};
+use crate::args::{BakeArgs, BakeSettings, ExtractArgs, TrainArgs, TrainMode};
+use crate::method;
 use crate::place::Place;
 use crate::progress::Bars;
 use crate::scene;
@@ -8,7 +9,6 @@ use rrf_bake::{BakeConfig, BakeError, Judgement, Next, Preset, Run, Site, Stage}
 use rrf_extract::{Census, ExtractError, Region};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
-use rrf_train::Size;
 use std::time::Instant;
 
 /// The whole chain.
@@ -117,11 +117,8 @@ fn mode(args: &TrainArgs) -> rrf_train::Mode {
     }
 }
 
-/// Hidden units of the net that stands for the whole scene.
-const GLOBAL_NET: [usize; 2] = [32, 16];
-
 /// The settings that the arguments mean.
-pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractError> {
+pub fn config(args: &BakeSettings, scene: &Scene) -> anyhow::Result<BakeConfig> {
     let light_box = match args.light_box {
         Some(corners) => boxed(corners),
         None => middle(scene)?,
@@ -145,26 +142,7 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> Result<BakeConfig, ExtractE
         .most_cells
         .unwrap_or(config.most_cells.max(config.extract.cells));
     config.trim = !args.no_trim;
-    if let Some(Hidden(units)) = &args.hidden {
-        config.train.size = Size::Hidden(units.clone());
-    }
-    match args.method {
-        Method::Nets => {}
-        Method::LinearOutputs => config.train.exponential = false,
-        Method::LinearRegression => {
-            config.train.exponential = false;
-            config.train.size = Size::Hidden(Vec::new());
-            config.train.lambert_without.clear();
-            // a later round would give cells larger nets
-            config.rounds = 1;
-        }
-        Method::GlobalNet => {
-            (config.extract.cells, config.most_cells) = (1, 1);
-            config.train.size = Size::Hidden(GLOBAL_NET.to_vec());
-            config.train.lambert_without.clear();
-            config.rounds = 1;
-        }
-    }
+    method::set(&mut config, args)?;
     if let Some(inputs) = &args.inputs {
         config.train.inputs.clone_from(inputs);
         config.train.lambert_without.clear();

@@ -208,8 +208,10 @@ fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettin
     let method = match own.method.as_deref().or(defaults.method.as_deref()) {
         None => Method::Nets,
         Some(name) => Method::from_str(name, false).map_err(|_| {
-            let known = "nets, linear-outputs, linear-regression or global-net";
-            BadInput(format!("method {name:?}: {known}"))
+            let known = Method::value_variants().iter();
+            let known = known.filter_map(|method| method.to_possible_value());
+            let names: Vec<_> = known.map(|value| value.get_name().to_string()).collect();
+            BadInput(format!("method {name:?}: one of {}", names.join(", ")))
         })?,
     };
     let target = own.target.or(defaults.target).unwrap_or(0.05);

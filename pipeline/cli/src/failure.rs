@@ -38,7 +38,7 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
             || matches!(cause.downcast_ref(), Some(ViewError::Bind { .. }))
             || matches!(
                 cause.downcast_ref::<ExportError>(),
-                Some(ExportError::Model { .. })
+                Some(ExportError::Model { .. } | ExportError::NoNet { .. })
             )
             || cause
                 .downcast_ref::<RemoteError>()

@@ -13,6 +13,7 @@ mod doctor;
 mod elsewhere;
 mod export;
 mod failure;
+mod method;
 mod page;
 mod pictures;
 mod place;

@@ -13,6 +13,16 @@ pub enum ExportError {
         /// The reason.
         reason: String,
     },
+    /// A model that is no net.
+    #[error(
+        "cell {cell}: {kind} models are not exported, only nets are; bake with `--method nets`"
+    )]
+    NoNet {
+        /// The cell.
+        cell: u32,
+        /// What it is.
+        kind: &'static str,
+    },
     /// A model whose parts contradict each other.
     #[error("cell {cell}: {reason}; bake again")]
     Model {

@@ -15,3 +15,15 @@ mod ply;
 pub mod tensors;
 
 pub use error::ExportError;
+use rrf_field::model::CellModel;
+
+/// Other formats know nets alone.
+fn nets_only(cells: &[CellModel]) -> Result<(), ExportError> {
+    match cells.iter().find(|cell| !cell.kind.is_net()) {
+        None => Ok(()),
+        Some(cell) => Err(ExportError::NoNet {
+            cell: cell.cell,
+            kind: cell.kind.name(),
+        }),
+    }
+}

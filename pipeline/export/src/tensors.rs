@@ -29,13 +29,14 @@ type Tensor = (String, Dtype, Vec<usize>, Vec<u8>);
 /// Writes the model; `facts` go into the metadata beside the lists of names.
 ///
 /// # Errors
-/// [`ExportError::Model`] for nets that contradict themselves, [`ExportError::Write`].
+/// [`ExportError::NoNet`], [`ExportError::Model`] for nets that contradict themselves, [`ExportError::Write`].
 pub fn write(
     path: &Path,
     tree: &Tree,
     cells: &[CellModel],
     facts: &[(&str, String)],
 ) -> Result<(), ExportError> {
+    crate::nets_only(cells)?;
     let mut tensors = tree_tensors(tree);
     for cell in cells {
         tensors.extend(cell_tensors(cell)?);
@@ -148,6 +149,7 @@ mod tests {
         };
         CellModel {
             cell: 0,
+            kind: rrf_field::model::Kind::Net,
             inputs: vec![0, 21],
             input_offset: vec![0.5, -1.0],
             input_scale: vec![2.0, 0.25],

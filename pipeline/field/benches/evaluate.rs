@@ -6,7 +6,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rrf_field::columns::{self, Columns};
-use rrf_field::model::CellModel;
+use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::{self, Shape};
 use rrf_field::tree::Tree;
 use rrf_field::{Field, Light, Workspace};
@@ -53,6 +53,7 @@ fn model(cell: u32, inputs: Vec<u8>, numbers: &mut Numbers) -> CellModel {
     };
     CellModel {
         cell,
+        kind: Kind::Net,
         input_offset: inputs.iter().map(|_| 0.1 * numbers.next()).collect(),
         input_scale: inputs.iter().map(|_| 1.0 + 0.1 * numbers.next()).collect(),
         weights: (0..shape.weights()).map(|_| 0.7 * numbers.next()).collect(),

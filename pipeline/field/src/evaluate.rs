@@ -1,10 +1,11 @@
 //! A field ready for evaluation: rows grouped by cell, nets over blocks of rows.
 
+use crate::baseline::Baseline;
 use crate::columns::{self, Columns};
 use crate::derived::{self, BLOCK, DERIVED, DerivedBlock, Lane, RawBlock};
 use crate::error::FieldError;
 use crate::kernel::{self, Begin, Scratch};
-use crate::model::{CellModel, INPUTS};
+use crate::model::{CellModel, INPUTS, Kind};
 use crate::packed::Packed;
 use crate::tree::Tree;
 use crate::walk::{Groups, Walk};
@@ -19,8 +20,31 @@ pub struct Field {
     tree: Tree,
     models: Vec<CellModel>,
     pub(crate) walk: Walk,
-    pub(crate) packed: Vec<Packed>,
+    pub(crate) ready: Vec<Ready>,
     pub(crate) width: usize,
+}
+
+/// A cell's model, laid out for evaluation.
+#[derive(Clone, Debug)]
+pub(crate) enum Ready {
+    Net(Packed),
+    Baseline(Box<Baseline>),
+}
+
+impl Ready {
+    fn new(model: &CellModel) -> Ready {
+        match Baseline::new(model) {
+            Some(baseline) => Ready::Baseline(Box::new(baseline)),
+            None => Ready::Net(Packed::new(model)),
+        }
+    }
+
+    fn width(&self) -> usize {
+        match self {
+            Ready::Net(packed) => packed.width(),
+            Ready::Baseline(_) => 0,
+        }
+    }
 }
 
 impl Field {
@@ -35,13 +59,13 @@ impl Field {
         for (cell, model) in models.iter().enumerate() {
             check(cell, model).map_err(|reason| FieldError::Model { cell, reason })?;
         }
-        let packed: Vec<Packed> = models.iter().map(Packed::new).collect();
-        let width = packed.iter().map(Packed::width).max().unwrap_or(0);
+        let ready: Vec<Ready> = models.iter().map(Ready::new).collect();
+        let width = ready.iter().map(Ready::width).max().unwrap_or(0);
         Ok(Field {
             tree,
             models,
             walk,
-            packed,
+            ready,
             width,
         })
     }
@@ -85,7 +109,10 @@ impl Field {
         self.walk.groups(rows, None, &mut groups);
         for (cell, ids, _) in groups.iter() {
             mark(cells, ids, cell);
-            evaluate_cell(&self.packed[cell as usize], rows, ids, &mut scratch, out);
+            match &self.ready[cell as usize] {
+                Ready::Net(packed) => evaluate_cell(packed, rows, ids, &mut scratch, out),
+                Ready::Baseline(baseline) => baseline.add(rows, ids, None, out),
+            }
         }
         Ok(())
     }
@@ -230,6 +257,8 @@ fn check(cell: usize, model: &CellModel) -> Result<(), &'static str> {
     let sizes = &model.shape.sizes;
     let fault = if model.cell as usize != cell {
         "it names another cell"
+    } else if model.kind != Kind::Net {
+        return check_baseline(model);
     } else if sizes.len() < 2 || sizes[1..].contains(&0) {
         // no inputs: a cell that is one colour all over
         "its net has no layer or an empty one"
@@ -243,6 +272,27 @@ fn check(cell: usize, model: &CellModel) -> Result<(), &'static str> {
         "it does not scale each input"
     } else if model.weights.len() != model.shape.weights() {
         "it does not have as many weights as its shape needs"
+    } else if !finite(model) {
+        "a weight or scale is not finite"
+    } else {
+        return Ok(());
+    };
+    Err(fault)
+}
+
+/// The same of one that is no net.
+fn check_baseline(model: &CellModel) -> Result<(), &'static str> {
+    let inputs = model.inputs.len();
+    let fault = if model.kind.weights(&model.shape.sizes) != Some(model.weights.len()) {
+        "it does not have the weights that its kind and layers ask for"
+    } else if [model.input_offset.len(), model.input_scale.len()] != [inputs; 2]
+        || model.shape.sizes.first() != Some(&inputs)
+    {
+        "it does not scale each input"
+    } else if model.inputs.iter().any(|&i| usize::from(i) >= INPUTS.len()) {
+        "it reads an input that this program does not know"
+    } else if model.exponential {
+        "its outputs are exponents, as only those of nets are"
     } else if !finite(model) {
         "a weight or scale is not finite"
     } else {
@@ -283,6 +333,7 @@ mod tests {
         };
         let packed = Packed::new(&CellModel {
             cell: 0,
+            kind: Kind::Net,
             inputs: (5..20).collect(),
             input_offset: (0..15).map(|_| number()).collect(),
             input_scale: (0..15).map(|_| number()).collect(),

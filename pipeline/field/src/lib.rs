@@ -1,4 +1,5 @@
-//! The baked field: a kd-tree whose leaves hold small neural nets.
+//! The baked field: a kd-tree whose leaves hold small neural nets, or what nets are compared with
+//! ([`model::Kind`]).
 //! Plain slices in, plain slices out; no files, no scene.
 //!
 //! A row is a query: surface point p, normal n, unit direction to the viewer v,
@@ -6,12 +7,14 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod baseline;
 pub mod columns;
 mod derived;
 mod error;
 mod evaluate;
 mod exp;
 mod kernel;
+mod kind;
 mod lights;
 pub mod model;
 pub mod net;
@@ -22,6 +25,7 @@ mod tanh;
 pub mod tree;
 mod walk;
 
+pub use baseline::quadratic;
 pub use error::FieldError;
 pub use evaluate::Field;
 pub use exp::{EXP_ERROR, MAX_EXPONENT};

@@ -6,7 +6,7 @@
 use crate::columns::{self, Columns};
 use crate::derived::{self, BLOCK, DERIVED, DerivedBlock, Lane, RawBlock};
 use crate::error::FieldError;
-use crate::evaluate::{Field, gather, mark, run};
+use crate::evaluate::{Field, Ready, gather, mark, run};
 use crate::kernel::{self, Begin, Scratch};
 use crate::packed::Packed;
 use crate::spent::{Spent, Watch};
@@ -75,7 +75,9 @@ impl Field {
             self.walk.cells_under(light.position, &mut reached);
             for &cell in &reached {
                 starts[cell as usize] = biases.len();
-                self.packed[cell as usize].biases(light.position, &mut biases);
+                if let Ready::Net(packed) = &self.ready[cell as usize] {
+                    packed.biases(light.position, &mut biases);
+                }
             }
         }
         Lit {
@@ -133,8 +135,15 @@ impl Lit<'_> {
                 mark(cells, ids, cell);
             }
             self.reaching(cell, lights, &mut work.reaching);
-            let packed = &self.field.packed[cell as usize];
-            evaluate_cell_lights(packed, &self.biases, rows, ids, work, out);
+            match &self.field.ready[cell as usize] {
+                Ready::Net(packed) => {
+                    evaluate_cell_lights(packed, &self.biases, rows, ids, work, out);
+                }
+                Ready::Baseline(baseline) => {
+                    let lights = work.reaching.iter().map(|reaching| &reaching.light);
+                    lights.for_each(|light| baseline.add(rows, ids, Some(light), out));
+                }
+            }
         }
         work.groups = groups;
         let took = work.watch.end();

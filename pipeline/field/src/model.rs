@@ -1,7 +1,9 @@
-//! A cell's model: which inputs it reads, how they are scaled, its net, how the output is scaled.
+//! A cell's model: which inputs it reads, how they are scaled, its net (or what stands in its place),
+//! how the output is scaled.
 
 use crate::columns::{self, Columns};
 use crate::derived;
+pub use crate::kind::{KINDS, Kind};
 use crate::net::Shape;
 
 /// What a net can read. The first [`columns::COUNT`] are the raw columns in their order;
@@ -42,20 +44,23 @@ pub const INPUTS: [&str; columns::COUNT + derived::DERIVED] = [
 ];
 
 /// One cell's model. Φ(x) = output_offset + output_scale ∘ net((input − input_offset) · input_scale),
-/// times the base colour where `divide_base` is set.
+/// times the base colour where `divide_base` is set; for another [`Kind`] than a net its own function
+/// stands in the net's place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellModel {
     /// The cell.
     pub cell: u32,
+    /// What its weights are of.
+    pub kind: Kind,
     /// Which inputs, as places in [`INPUTS`].
     pub inputs: Vec<u8>,
     /// Subtracted from each input.
     pub input_offset: Vec<f32>,
     /// Multiplied after the subtraction.
     pub input_scale: Vec<f32>,
-    /// Layers of the net, inputs first, 3 outputs last.
+    /// Layers of the net, inputs first, 3 outputs last; of another kind see [`Kind`].
     pub shape: Shape,
-    /// Flat weights, see [`Shape`].
+    /// Flat weights, see [`Shape`] and [`Kind`].
     pub weights: Vec<f32>,
     /// Multiplied onto each output channel.
     pub output_scale: [f32; 3],

@@ -7,7 +7,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
 use rrf_field::Field;
 use rrf_field::columns;
-use rrf_field::model::CellModel;
+use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_render::{Lights, Part, RenderOptions, View, render};
@@ -22,6 +22,7 @@ fn model(cell: u32) -> CellModel {
     let wave = |i: usize| (i as f32 * 0.73 + cell as f32).sin() * 0.4;
     CellModel {
         cell,
+        kind: Kind::Net,
         inputs: (0..columns::GEOMETRY as u8).collect(),
         input_offset: vec![0.0; columns::GEOMETRY],
         input_scale: vec![1.0; columns::GEOMETRY],

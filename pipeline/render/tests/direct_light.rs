@@ -5,7 +5,7 @@
 use glam::{Vec2, Vec3};
 use rrf_field::Field;
 use rrf_field::columns;
-use rrf_field::model::CellModel;
+use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_render::{
@@ -90,6 +90,7 @@ fn field() -> Field {
     };
     let model = CellModel {
         cell: 0,
+        kind: Kind::Net,
         inputs: vec![columns::P as u8],
         input_offset: vec![0.0],
         input_scale: vec![1.0],

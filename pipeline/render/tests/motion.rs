@@ -5,7 +5,7 @@
 use glam::{Vec2, Vec3};
 use rrf_field::Field;
 use rrf_field::columns;
-use rrf_field::model::CellModel;
+use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_render::{Frame, Lights, Part, RenderOptions, View, render};
@@ -49,6 +49,7 @@ fn model(cell: u32, weights_of: u32) -> CellModel {
     };
     CellModel {
         cell,
+        kind: Kind::Net,
         input_offset: vec![0.0; inputs.len()],
         input_scale: vec![1.0; inputs.len()],
         weights: (0..shape.weights())

@@ -5,7 +5,7 @@
 use glam::{Vec2, Vec3};
 use rrf_field::Field;
 use rrf_field::columns::{self, Columns};
-use rrf_field::model::CellModel;
+use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_render::{
@@ -84,6 +84,7 @@ fn linear_field() -> Field {
     tree.split(0, columns::P, 0.0, 1);
     let model = |cell: u32, offset: f32| CellModel {
         cell,
+        kind: Kind::Net,
         inputs: vec![columns::P as u8, columns::L as u8],
         input_offset: vec![0.0; 2],
         input_scale: vec![1.0; 2],

@@ -181,7 +181,7 @@ impl Legs {
 }
 
 /// All reasons to stop, by number.
-const STOPS: [Stop; 10] = [
+const STOPS: [Stop; 11] = [
     Stop::NoRows,
     Stop::Constant,
     Stop::Gradient,
@@ -192,6 +192,7 @@ const STOPS: [Stop; 10] = [
     Stop::Iterations,
     Stop::Damping,
     Stop::NotFinite,
+    Stop::Solved,
 ];
 
 pub(crate) fn stop_number(stop: Stop) -> u64 {

@@ -3,6 +3,7 @@
 use crate::blocks::Precision;
 use crate::error::TrainError;
 use crate::lm::LmConfig;
+use rrf_field::model::Kind;
 use serde::{Deserialize, Serialize};
 
 /// Weight decay α a residual: α‖w‖² times the number of residuals is added to the loss.
@@ -77,6 +78,9 @@ pub struct TrainConfig {
     /// Those of them that Lambertian cells do without.
     #[serde(default)]
     pub lambert_without: Vec<String>,
+    /// Nets, or what they are compared with.
+    #[serde(default, skip_serializing_if = "Kind::is_net")]
+    pub kind: Kind,
     /// Which nets to consider.
     pub size: Size,
     /// Take out inputs and units for as long as the validation error stays within this share
@@ -152,6 +156,7 @@ impl Default for TrainConfig {
             seed: 1,
             inputs: inputs.map(String::from).to_vec(),
             lambert_without: Vec::new(),
+            kind: Kind::Net,
             size: Size::Hidden(vec![20, 10]),
             prune: None,
             divide_base: false,
@@ -231,6 +236,12 @@ impl TrainConfig {
                 name: "mode",
                 value: format!("{batches:?}"),
                 range: "at least 1 row, step and epoch",
+            });
+        }
+        let of_nets_alone = self.mode != Mode::Local || self.prune.is_some() || self.exponential;
+        if !self.kind.is_net() && of_nets_alone {
+            return Err(TrainError::NoNet {
+                kind: self.kind.name(),
             });
         }
         match &self.size {

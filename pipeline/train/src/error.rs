@@ -21,6 +21,15 @@ pub enum TrainError {
         /// All names.
         known: String,
     },
+    /// Asked of a baseline what only nets can do.
+    #[error(
+        "online and recursive modes, pruning and exponential outputs are of nets; \
+         this run's method is {kind}"
+    )]
+    NoNet {
+        /// The kind of model.
+        kind: &'static str,
+    },
     /// A number of the configuration is out of its range.
     #[error("{name} is {value}, must be {range}")]
     Config {

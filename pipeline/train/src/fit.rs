@@ -1,5 +1,6 @@
 //! One cell's samples in, one cell's model out.
 
+use crate::baseline;
 use crate::cell::Cell;
 use crate::checkpoint::Keeper;
 use crate::config::{Batches, Mode, Size, TrainConfig};
@@ -12,7 +13,7 @@ use crate::prepare::Samples;
 use crate::prune::{self, Net};
 use crate::search;
 use rrf_field::columns::Columns;
-use rrf_field::model::CellModel;
+use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use std::time::Instant;
 
@@ -143,6 +144,10 @@ pub(crate) fn fit_prepared(cell: u32, prepared: Cell) -> CellFit {
     let start = Instant::now();
     let mut fit = match prepared.trivial() {
         Some(stop) => constant(cell, prepared, stop),
+        None if !prepared.config.kind.is_net() => match baseline::fit(cell, &prepared) {
+            Some(fit) => fit,
+            None => constant(cell, prepared, Stop::NotFinite),
+        },
         None => train(cell, prepared),
     };
     fit.metrics.seconds = start.elapsed().as_secs_f64();
@@ -309,6 +314,7 @@ fn finish(cell: u32, prepared: Cell, ended: Ended) -> CellFit {
     };
     let model = CellModel {
         cell,
+        kind: Kind::Net,
         inputs: prepared.units.inputs.iter().map(|i| i.id).collect(),
         input_offset: prepared.units.inputs.iter().map(|i| i.offset).collect(),
         input_scale: prepared.units.inputs.iter().map(|i| i.scale).collect(),

@@ -12,6 +12,7 @@
 //!   are too many ([`spill`]);
 //! - [`checkpoint`] keeps where a long fit stands;
 //! - [`halves`] tells errors without Monte Carlo noise;
+//! - `baseline` fits what nets are compared with;
 //! - [`cut`] says where a cell is best cut in two;
 //! - [`fit`] puts it together: [`fit::fit_cell`].
 //!
@@ -19,6 +20,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod baseline;
 pub mod blocks;
 mod cell;
 pub mod checkpoint;
@@ -62,6 +64,7 @@ pub use error::TrainError;
 pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, Start, fit_cell, fit_from};
 pub use halves::ErrorEstimate;
 pub use lm::{LmConfig, Scaling, Stop};
+pub use rrf_field::model::Kind;
 
 #[cfg(test)]
 mod made_up;

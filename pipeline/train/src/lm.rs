@@ -64,6 +64,8 @@ pub enum Stop {
     NoRows,
     /// The target, or every input, is constant: the model is a constant.
     Constant,
+    /// The least squares were solved in one go: no net.
+    Solved,
     /// The gradient vanished.
     Gradient,
     /// The step became smaller than the parameters can show.
@@ -88,6 +90,7 @@ impl Stop {
         match self {
             Stop::NoRows => "no rows",
             Stop::Constant => "constant",
+            Stop::Solved => "solved",
             Stop::Gradient => "gradient",
             Stop::Step => "step",
             Stop::Cost => "cost",

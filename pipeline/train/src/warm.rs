@@ -37,7 +37,7 @@ pub(crate) fn weights(
     let (had, has) = (hidden(old)?, hidden(new)?);
     let fits = had.len() == has.len() && had.iter().zip(&has).all(|(a, b)| a <= b);
     let same = model.divide_base == to.divide_base && model.exponential == to.exponential;
-    if !fits || !same || had.is_empty() || fresh.len() != shape.weights() {
+    if !model.kind.is_net() || !fits || !same || had.is_empty() || fresh.len() != shape.weights() {
         return None;
     }
     let mut w = fresh.to_vec();

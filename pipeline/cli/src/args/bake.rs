@@ -99,6 +99,8 @@ pub enum Method {
     LinearOutputs,
     /// Linear regression on the same inputs.
     LinearRegression,
+    /// Quadratic regression on the same inputs.
+    QuadraticRegression,
     /// One net for the whole scene.
     GlobalNet,
 }

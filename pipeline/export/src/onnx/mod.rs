@@ -24,13 +24,14 @@ const IR_VERSION: i64 = 8;
 /// Writes the model; `facts` become metadata.
 ///
 /// # Errors
-/// [`ExportError::Model`] for nets that contradict themselves, [`ExportError::Write`].
+/// [`ExportError::NoNet`], [`ExportError::Model`] for nets that contradict themselves, [`ExportError::Write`].
 pub fn write(
     path: &Path,
     tree: &Tree,
     cells: &[CellModel],
     facts: &[(&str, String)],
 ) -> Result<(), ExportError> {
+    crate::nets_only(cells)?;
     let mut g = Builder::default();
     let raw: Value = "raw".into();
     let cell = walk(&mut g, tree, &raw);

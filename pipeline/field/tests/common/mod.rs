@@ -1,7 +1,7 @@
 //! Random rows, trees and models, each a function of its seed.
 
 use rrf_field::columns::{self, Columns};
-use rrf_field::model::CellModel;
+use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::{LEAF, Tree};
 
@@ -72,6 +72,7 @@ pub fn model(cell: u32, inputs: &[u8], hidden: &[usize], numbers: &mut Numbers) 
     }
     CellModel {
         cell,
+        kind: Kind::Net,
         inputs: inputs.to_vec(),
         input_offset: inputs.iter().map(|_| 0.3 * numbers.next()).collect(),
         input_scale: inputs.iter().map(|_| 1.5 + numbers.next()).collect(),

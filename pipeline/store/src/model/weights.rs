@@ -4,15 +4,17 @@ use super::lists;
 use crate::columns::Source;
 use crate::error::StoreError;
 use crate::schema::{self, Table};
-use arrow::array::{ArrayRef, AsArray, BooleanArray, ListArray, RecordBatch, UInt32Array};
+use arrow::array::{ArrayRef, AsArray, BooleanArray, ListArray, RecordBatch};
+use arrow::array::{StringArray, UInt32Array};
 use arrow::datatypes::{Float32Type, UInt32Type};
-use rrf_field::model::{CellModel, INPUTS};
+use rrf_field::model::{CellModel, INPUTS, KINDS, Kind};
 use rrf_field::net::Shape;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
 const CELL_ID: &str = "cell_id";
+const KIND: &str = "kind";
 const NAMES: &str = "inputs";
 const INPUT_OFFSET: &str = "input_offset";
 const INPUT_SCALE: &str = "input_scale";
@@ -40,10 +42,12 @@ pub(super) fn to_batch(cells: &[CellModel], path: &Path) -> Result<RecordBatch, 
     let layers: Vec<Vec<u32>> = cells.iter().map(|cell| sizes(&cell.shape)).collect();
     let layers = lists::numbers::<UInt32Type>(layers.iter().map(|sizes| Some(sizes.as_slice())));
     let ids = UInt32Array::from_iter_values(cells.iter().map(|cell| cell.cell));
+    let kinds = StringArray::from_iter_values(cells.iter().map(|cell| cell.kind.name()));
     let divide: BooleanArray = cells.iter().map(|cell| Some(cell.divide_base)).collect();
     let exponential: BooleanArray = cells.iter().map(|cell| Some(cell.exponential)).collect();
     let arrays: BTreeMap<&str, ArrayRef> = BTreeMap::from([
         (CELL_ID, Arc::new(ids) as _),
+        (KIND, Arc::new(kinds) as _),
         (NAMES, lists::names(input_names)),
         (INPUT_OFFSET, floats(|cell| &cell.input_offset)),
         (INPUT_SCALE, floats(|cell| &cell.input_scale)),
@@ -73,6 +77,7 @@ pub(super) fn from_batch(
 struct Rows<'a> {
     source: Source<'a>,
     cell_id: &'a [u32],
+    kind: &'a StringArray,
     lists: BTreeMap<&'static str, &'a ListArray>,
     divide_base: &'a BooleanArray,
     exponential: &'a BooleanArray,
@@ -96,6 +101,7 @@ impl<'a> Rows<'a> {
         Ok(Rows {
             source,
             cell_id: source.values::<UInt32Type>(batch, CELL_ID)?,
+            kind: texts(batch, &source, KIND)?,
             lists: columns,
             divide_base: flags(batch, &source, DIVIDE_BASE)?,
             exponential: flags(batch, &source, EXPONENTIAL)?,
@@ -107,6 +113,7 @@ impl<'a> Rows<'a> {
         let layers: Vec<u32> = self.numbers::<UInt32Type>(LAYERS, row)?;
         Ok(CellModel {
             cell,
+            kind: self.kind(cell, row)?,
             inputs: self.inputs(cell, row)?,
             input_offset: self.numbers::<Float32Type>(INPUT_OFFSET, row)?,
             input_scale: self.numbers::<Float32Type>(INPUT_SCALE, row)?,
@@ -118,6 +125,15 @@ impl<'a> Rows<'a> {
             output_offset: self.rgb(cell, OUTPUT_OFFSET, row)?,
             divide_base: self.divide_base.value(row),
             exponential: self.exponential.value(row),
+        })
+    }
+
+    fn kind(&self, cell: u32, row: usize) -> Result<Kind, StoreError> {
+        let name = self.kind.value(row);
+        Kind::of_name(name).ok_or_else(|| {
+            let known = KINDS.map(Kind::name).join(", ");
+            let reason = format!("kind {name:?} is not known; known are {known}");
+            self.source.model(format!("cell {cell}"), reason)
         })
     }
 
@@ -173,7 +189,20 @@ fn flags<'a>(
         .ok_or_else(|| source.schema_error(format!("column {name}: expected bool")))
 }
 
-/// Nets that can be evaluated: ids ascend, every length fits the shape, every number is finite.
+/// A column of texts without nulls.
+fn texts<'a>(
+    batch: &'a RecordBatch,
+    source: &Source,
+    name: &'static str,
+) -> Result<&'a StringArray, StoreError> {
+    let column = source.array(batch, name)?;
+    source.no_null(column, name)?;
+    column
+        .as_string_opt()
+        .ok_or_else(|| source.schema_error(format!("column {name}: expected utf8")))
+}
+
+/// Models that can be evaluated: ids ascend, every length fits the shape, every number is finite.
 fn validate(cells: &[&CellModel], source: &Source) -> Result<(), StoreError> {
     for pair in cells.windows(2) {
         if let [a, b] = pair
@@ -199,7 +228,7 @@ fn fault(cell: &CellModel) -> Option<String> {
     }
     // a cell that is one colour all over has a net of no inputs: its mean
     let hidden = sizes.get(1..).unwrap_or_default();
-    if sizes.len() < 2 || hidden.contains(&0) || sizes.last() != Some(&3) {
+    if cell.kind.is_net() && (sizes.len() < 2 || hidden.contains(&0) || sizes.last() != Some(&3)) {
         return Some(format!("layers {sizes:?} are not inputs, hidden units, 3"));
     }
     let lengths = [count, cell.input_offset.len(), cell.input_scale.len()];
@@ -208,11 +237,11 @@ fn fault(cell: &CellModel) -> Option<String> {
             "{lengths:?} inputs, offsets and scales for layers {sizes:?}"
         ));
     }
-    let weights = checked_weights(sizes);
+    let weights = cell.kind.weights(sizes);
     if weights != Some(cell.weights.len()) {
-        let found = cell.weights.len();
+        let (found, kind) = (cell.weights.len(), cell.kind.name());
         return Some(format!(
-            "{found} weights, layers {sizes:?} have {weights:?}"
+            "{found} weights, layers {sizes:?} of kind {kind} have {weights:?}"
         ));
     }
     let parts: [(&str, &[f32]); 5] = [
@@ -224,16 +253,6 @@ fn fault(cell: &CellModel) -> Option<String> {
     ];
     let bad = parts.iter().find(|(_, x)| !x.iter().all(|x| x.is_finite()));
     bad.map(|(name, _)| format!("{name} holds a number that is not finite"))
-}
-
-/// [`Shape::weights`] for sizes that may be anything.
-fn checked_weights(sizes: &[usize]) -> Option<usize> {
-    sizes.windows(2).try_fold(0usize, |sum, pair| {
-        let [inputs, outputs] = pair else {
-            return Some(sum);
-        };
-        sum.checked_add(inputs.checked_add(1)?.checked_mul(*outputs)?)
-    })
 }
 
 fn sizes(shape: &Shape) -> Vec<u32> {

@@ -1,7 +1,7 @@
 //! Tables made from a counter, for tests and for the fixture that the Python checks read.
 
 use rrf_field::columns::{COUNT, Columns};
-use rrf_field::model::CellModel;
+use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
@@ -102,6 +102,7 @@ pub fn cell_model(cell: u32) -> CellModel {
     let number = |i: usize| unit(u64::from(cell) * 100_000 + i as u64) - 0.5;
     CellModel {
         cell,
+        kind: Kind::Net,
         input_offset: (0..inputs.len()).map(|i| 0.1 * number(i)).collect(),
         input_scale: (0..inputs.len()).map(|i| 1.0 + number(i + 50)).collect(),
         weights: (0..shape.weights()).map(|i| number(i + 100)).collect(),

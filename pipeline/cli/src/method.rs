@@ -1,0 +1,58 @@
+//! `--method`: what a bake's settings become where cells are fitted by something else than nets.
+
+use crate::args::{BakeSettings, Hidden, Method};
+use crate::failure::BadInput;
+use rrf_bake::BakeConfig;
+use rrf_train::{Kind, Size};
+
+/// Hidden units of the net that stands for the whole scene.
+const GLOBAL_NET: [usize; 2] = [32, 16];
+
+/// Sets what the method needs. Baselines have one round: later ones are about nets.
+///
+/// # Errors
+/// For options that the method cannot follow.
+pub fn set(config: &mut BakeConfig, args: &BakeSettings) -> Result<(), BadInput> {
+    let train = &mut config.train;
+    if let Some(Hidden(units)) = &args.hidden {
+        train.size = Size::Hidden(units.clone());
+    }
+    match args.method {
+        Method::Nets => return Ok(()),
+        Method::LinearOutputs => {
+            train.exponential = false;
+            return Ok(());
+        }
+        Method::LinearRegression => {
+            train.exponential = false;
+            train.size = Size::Hidden(Vec::new());
+        }
+        Method::GlobalNet => {
+            (config.extract.cells, config.most_cells) = (1, 1);
+            train.size = Size::Hidden(GLOBAL_NET.to_vec());
+        }
+        Method::QuadraticRegression => baseline(config, args, Kind::Quadratic)?,
+    }
+    config.train.lambert_without.clear();
+    config.rounds = 1;
+    Ok(())
+}
+
+fn baseline(config: &mut BakeConfig, args: &BakeSettings, kind: Kind) -> Result<(), BadInput> {
+    if args.hidden.is_some() {
+        let kind = kind.name();
+        return Err(BadInput(format!(
+            "--hidden is of nets; --method asks for {kind} models"
+        )));
+    }
+    if let Some(rounds) = args.rounds.filter(|&rounds| rounds > 1) {
+        return Err(BadInput(format!(
+            "--rounds {rounds}: rounds after the first split cells and grow nets; baselines have one"
+        )));
+    }
+    config.train.kind = kind;
+    config.train.exponential = false;
+    config.train.size = Size::Hidden(Vec::new());
+    config.trim = false;
+    Ok(())
+}

@@ -1,0 +1,54 @@
+//! What a cell's weights are of.
+
+use crate::baseline::quadratic;
+use serde::{Deserialize, Serialize};
+
+/// A net, or a baseline that nets are compared with. All but nets stand where a net stands: scaled
+/// inputs in, three outputs out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// A net, see [`crate::net`].
+    #[default]
+    Net,
+    /// Polynomials of the second degree. Layers `[inputs, 3]`; weights: channel after channel the
+    /// coefficients of the terms, in the order of [`quadratic::terms`].
+    Quadratic,
+}
+
+/// Every kind.
+pub const KINDS: [Kind; 2] = [Kind::Net, Kind::Quadratic];
+
+impl Kind {
+    /// As the weights table writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Net => "net",
+            Kind::Quadratic => "quadratic",
+        }
+    }
+
+    /// The kind of this name.
+    pub fn of_name(name: &str) -> Option<Kind> {
+        KINDS.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Whether it is a net.
+    pub fn is_net(&self) -> bool {
+        *self == Kind::Net
+    }
+
+    /// How many weights belong to these layers; none where they are not such a model's or too large
+    /// to be counted.
+    pub fn weights(self, layers: &[usize]) -> Option<usize> {
+        match (self, layers) {
+            (Kind::Net, [_, .., 3]) if !layers[1..].contains(&0) => {
+                layers.windows(2).try_fold(0usize, |sum, pair| {
+                    sum.checked_add(pair[0].checked_add(1)?.checked_mul(pair[1])?)
+                })
+            }
+            (Kind::Quadratic, [inputs, 3]) => quadratic::count(*inputs)?.checked_mul(3),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The error of what is stored, free of Monte Carlo noise: by the evaluation that frames use.
+
+use crate::cell::Cell;
+use crate::halves::{self, ErrorEstimate};
+use crate::prepare;
+use rrf_field::Field;
+use rrf_field::model::CellModel;
+use rrf_field::tree::Tree;
+use std::ops::Range;
+
+/// Squared relative error on the rows that choose: those held out, or those trained on where there
+/// are none; errors divided by the targets' luminance.
+pub(super) fn choosing(cell: &Cell, model: &CellModel) -> ErrorEstimate {
+    let (train, held) = ranges(cell);
+    error(cell, model, if held.is_empty() { train } else { held }, 1.0)
+}
+
+/// Squared relative errors on the rows trained on and on those held out, divided by a mixture of
+/// the targets' luminance and of the prediction's, as those of nets are.
+pub(super) fn both(cell: &Cell, model: &CellModel) -> (ErrorEstimate, ErrorEstimate) {
+    let (train, held) = ranges(cell);
+    let first = error(cell, model, train.clone(), 1.0);
+    let share = cell.loss.target_share(first.square);
+    (
+        error(cell, model, train, share),
+        error(cell, model, held, share),
+    )
+}
+
+fn ranges(cell: &Cell) -> (Range<usize>, Range<usize>) {
+    let train = cell.train.len();
+    (0..train, train..train + cell.validation.len())
+}
+
+/// A model that cannot be evaluated has an error beyond all numbers.
+fn error(cell: &Cell, model: &CellModel, rows: Range<usize>, share: f64) -> ErrorEstimate {
+    let (mut values, mut out) = (Vec::with_capacity(rows.len()), Default::default());
+    let mut cells = Vec::new();
+    let failed = ErrorEstimate {
+        square: f64::INFINITY,
+        ..ErrorEstimate::default()
+    };
+    let Ok(field) = Field::new(Tree::single(), vec![model.clone()]) else {
+        return failed;
+    };
+    let mut fine = true;
+    cell.raw.each(rows, |chunk, rows| {
+        let ids: Vec<u32> = rows.clone().map(|row| row as u32).collect();
+        let asked = chunk.columns.take(&ids);
+        fine &= field.evaluate(&asked, &mut out, &mut cells).is_ok();
+        for (i, row) in rows.enumerate() {
+            let p: [f64; 3] = std::array::from_fn(|c| f64::from(out[c][i]));
+            let [target, found] = [chunk.mean(row), p].map(prepare::luminance);
+            let luminance = share * target + (1.0 - share) * found;
+            let [y1, y2] = [0, 1].map(|half| chunk.halves[half][row]);
+            values.push(halves::product(p, y1, y2, 1.0 / luminance.max(cell.floor)));
+        }
+    });
+    if fine {
+        ErrorEstimate::of(&values)
+    } else {
+        failed
+    }
+}
