@@ -7,6 +7,7 @@ mod bad_points;
 mod bad_run;
 mod bad_scene;
 mod bad_usage;
+mod baselines;
 mod batch;
 mod chain;
 mod frames;

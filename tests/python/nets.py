@@ -1,4 +1,4 @@
-"""The nets of model/weights.arrow in numpy, as schemas/weights.toml describes them."""
+"""The models of model/weights.arrow in numpy, as schemas/weights.toml describes them."""
 
 import numpy as np
 
@@ -32,17 +32,49 @@ def leaf(tree, rows):
     return cell[node].astype(int)
 
 
-def evaluate(net, rows):
-    """Indirect radiance, shape [rows, 3]; net is one row of weights.arrow as a dict."""
-    known = inputs(rows)
-    h = np.reshape([known[name] for name in net["inputs"]], (len(net["inputs"]), rows.num_rows)).T
-    h = (h - net["input_offset"]) * net["input_scale"]
+def net_outputs(net, h):
     w, layers = np.array(net["weights"]), net["layers"]
     for k, (a, b) in enumerate(zip(layers, layers[1:])):
         layer, w = w[: b * (a + 1)].reshape(b, a + 1), w[b * (a + 1) :]
         h = layer[:, 0] + h @ layer[:, 1:].T
         h = np.tanh(h) if k + 2 < len(layers) else h
-    h = np.exp(np.minimum(h, 12)) if net["exponential"] else h
-    y = h * net["output_scale"] + net["output_offset"]
+    return np.exp(np.minimum(h, 12)) if net["exponential"] else h
+
+
+def quadratic_outputs(net, h):
+    pairs = [h[:, i] * h[:, j] for i in range(h.shape[1]) for j in range(i, h.shape[1])]
+    terms = np.stack([np.ones(len(h)), *h.T, *pairs], 1)
+    return terms @ np.reshape(net["weights"], (3, -1)).T
+
+
+def nearest_outputs(net, h, neighbours=8):
+    inputs, rows, _ = net["layers"]
+    points, values = np.split(np.array(net["weights"], np.float32), [inputs * rows])
+    points, values = points.reshape(rows, inputs).astype(float), values.reshape(rows, 3).astype(float)
+    h = h.astype(float)
+    found = np.zeros((len(h), 3))
+    for at, x in enumerate(h):
+        square = ((points - x) ** 2).sum(1)
+        order = np.argsort(square, kind="stable")[:neighbours]
+        on_it = order[square[order] == 0]
+        weight = 1 / square[order] if len(on_it) == 0 else np.ones(len(on_it))
+        order = order if len(on_it) == 0 else on_it
+        found[at] = weight @ values[order] / weight.sum()
+    return found
+
+
+OUTPUTS = {"net": net_outputs, "quadratic": quadratic_outputs, "nearest": nearest_outputs}
+
+
+def evaluate(net, rows):
+    """Indirect radiance, shape [rows, 3]; net is one row of weights.arrow as a dict."""
+    if net["kind"] not in OUTPUTS:
+        raise ValueError(f"cell {net['cell_id']}: no evaluation of kind {net['kind']!r} here")
+    known = inputs(rows)
+    h = np.reshape([known[name] for name in net["inputs"]], (len(net["inputs"]), rows.num_rows)).T
+    # which rows are nearest hangs on roundings: as Rust rounds
+    number = np.float32 if net["kind"] == "nearest" else float
+    h = (h.astype(number) - np.array(net["input_offset"], number)) * np.array(net["input_scale"], number)
+    y = OUTPUTS[net["kind"]](net, h) * net["output_scale"] + net["output_offset"]
     base = np.stack([known["base_" + c] for c in "rgb"], 1)
     return y * base if net["divide_base"] else y

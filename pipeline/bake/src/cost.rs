@@ -6,7 +6,7 @@
 
 use crate::plan::{CellPlan, DrawPlan, MOST_ROWS, PartPlan};
 use rrf_trace::Tracer;
-use rrf_train::{LADDER, Size, TrainConfig, spill};
+use rrf_train::{Kind, LADDER, Size, TrainConfig, spill};
 
 /// Seconds a path of extraction among [`FEW`] triangles, the power that they go with beyond these, and
 /// how much longer it takes to look at flat glossy surfaces as well.
@@ -109,9 +109,17 @@ pub(crate) fn train_memory(rows: u64) -> u64 {
     BASE + rows * TRAINED_ROW
 }
 
+/// The least that a fit can do with: its rows in a file, but for what is made of the rows themselves.
+pub(crate) fn least_memory(rows: u64, config: &TrainConfig) -> u64 {
+    match config.kind {
+        Kind::Nearest => train_memory(rows),
+        _ => spilled_memory(rows),
+    }
+}
+
 /// The same with the rows in a file: windows of it and a part as it is read, and then what stays in
 /// memory of every row.
-pub(crate) fn spilled_memory(rows: u64) -> u64 {
+fn spilled_memory(rows: u64) -> u64 {
     let part = rows.min(u64::from(MOST_ROWS)) * READ_ROW;
     let held = (part + rows * spill::ORDERED_ROW).max(rows * spill::HELD_ROW);
     train_memory(rows).min(BASE + spill::WINDOWS + held)

@@ -98,7 +98,7 @@ fn entries(run: &Run, plan: &RoundPlan) -> Result<Vec<Entry>, BakeError> {
             hash: fit,
             seconds: cost::fit_seconds(rows, cell, &run.config.train),
             memory: cost::train_memory(rows),
-            least_memory: cost::spilled_memory(rows),
+            least_memory: cost::least_memory(rows, &run.config.train),
         };
         train.push(Entry { task, of_cell });
     }

@@ -32,6 +32,12 @@ pub fn set(config: &mut BakeConfig, args: &BakeSettings) -> Result<(), BadInput>
             train.size = Size::Hidden(GLOBAL_NET.to_vec());
         }
         Method::QuadraticRegression => baseline(config, args, Kind::Quadratic)?,
+        Method::Nearest => {
+            baseline(config, args, Kind::Nearest)?;
+            // the nearest may lie anywhere, and what is derived says twice what the raw columns say
+            (config.extract.cells, config.most_cells) = (1, 1);
+            config.train.inputs = rrf_field::columns::NAMES.map(String::from).to_vec();
+        }
     }
     config.train.lambert_without.clear();
     config.rounds = 1;

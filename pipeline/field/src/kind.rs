@@ -14,10 +14,14 @@ pub enum Kind {
     /// Polynomials of the second degree. Layers `[inputs, 3]`; weights: channel after channel the
     /// coefficients of the terms, in the order of [`quadratic::terms`].
     Quadratic,
+    /// The nearest of the rows trained on. Layers `[inputs, rows, 3]`; weights: the rows' scaled
+    /// inputs, row after row, then their outputs. The answer is the mean of the eight nearest rows'
+    /// outputs weighted by inverse squared distance; of rows at distance 0 their mean.
+    Nearest,
 }
 
 /// Every kind.
-pub const KINDS: [Kind; 2] = [Kind::Net, Kind::Quadratic];
+pub const KINDS: [Kind; 3] = [Kind::Net, Kind::Quadratic, Kind::Nearest];
 
 impl Kind {
     /// As the weights table writes it.
@@ -25,6 +29,7 @@ impl Kind {
         match self {
             Kind::Net => "net",
             Kind::Quadratic => "quadratic",
+            Kind::Nearest => "nearest",
         }
     }
 
@@ -48,6 +53,9 @@ impl Kind {
                 })
             }
             (Kind::Quadratic, [inputs, 3]) => quadratic::count(*inputs)?.checked_mul(3),
+            (Kind::Nearest, [inputs, rows, 3]) if (1..u32::MAX as usize).contains(rows) => {
+                inputs.checked_add(3)?.checked_mul(*rows)
+            }
             _ => None,
         }
     }

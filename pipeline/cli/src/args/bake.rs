@@ -101,6 +101,8 @@ pub enum Method {
     LinearRegression,
     /// Quadratic regression on the same inputs.
     QuadraticRegression,
+    /// The eight nearest of the rows trained on, weighted by inverse squared distance.
+    Nearest,
     /// One net for the whole scene.
     GlobalNet,
 }

@@ -1,11 +1,13 @@
 //! Models that nets are compared with, evaluated row by row in f64: plain, not fast.
 
+mod nearest;
 pub mod quadratic;
 
 use crate::columns::{self, Columns};
 use crate::kind::Kind;
 use crate::lights::Light;
 use crate::model::{self, CellModel};
+use nearest::Nearest;
 use quadratic::Quadratic;
 
 /// Rows whose inputs are computed together.
@@ -27,6 +29,7 @@ pub struct Baseline {
 #[derive(Clone, Debug)]
 enum Form {
     Quadratic(Quadratic),
+    Nearest(Nearest),
 }
 
 impl Baseline {
@@ -35,6 +38,11 @@ impl Baseline {
         let form = match model.kind {
             Kind::Net => return None,
             Kind::Quadratic => Form::Quadratic(Quadratic::new(&model.weights)),
+            Kind::Nearest => {
+                let inputs = model.inputs.len();
+                let rows = model.weights.len() / (inputs + 3);
+                Form::Nearest(Nearest::new(inputs, rows, &model.weights))
+            }
         };
         Some(Baseline {
             inputs: model.inputs.clone(),
@@ -94,6 +102,10 @@ impl Form {
     fn answer(&self, x: &[f32], work: &mut Vec<f64>) -> [f64; 3] {
         match self {
             Form::Quadratic(quadratic) => quadratic.answer(x, work),
+            Form::Nearest(nearest) => nearest.answer(x, work),
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,10 +1,12 @@
-//! Fits of what nets are compared with (`rrf_field::model::Kind`): linear least squares, solved in one go.
+//! Fits of what nets are compared with (`rrf_field::model::Kind`): linear least squares, solved
+//! in one go, or the rows themselves.
 //!
 //! Rows, targets and weights are those of a net's fit: the relative loss of [`crate::problem::Loss`],
 //! its divisors renewed by the predictions. Of several strengths of regularisation the rows held
 //! out choose one, as they choose a net's weights.
 
 mod errors;
+mod nearest;
 mod quadratic;
 mod weighing;
 
@@ -29,11 +31,16 @@ pub(crate) fn fit(cell: u32, prepared: &Cell) -> Option<CellFit> {
     let candidates = match prepared.config.kind {
         Kind::Net => return None,
         Kind::Quadratic => quadratic::solve(prepared),
+        Kind::Nearest => nearest::keep(prepared),
     };
     let mut best: Option<(f64, CellModel, f64)> = None;
+    let one = candidates.len() == 1;
     for solved in candidates {
         let model = model(prepared, &solved);
-        let error = errors::choosing(prepared, &model).square;
+        let error = match one {
+            true => 0.0,
+            false => errors::choosing(prepared, &model).square,
+        };
         if best.as_ref().is_none_or(|(least, ..)| error < *least) {
             best = Some((error, model, solved.ridge));
         }

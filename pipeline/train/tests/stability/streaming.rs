@@ -1,11 +1,12 @@
 //! Rows in a file instead of in memory, and fits that go on after a kill.
 
+use crate::baselines;
 use crate::cells::{self, Cell, smooth};
 use rrf_field::columns::Columns;
 use rrf_train::checkpoint::Keeper;
 use rrf_train::prepare::Samples;
 use rrf_train::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, Size, Start, TrainConfig, fit_from};
+use rrf_train::{CellFit, Kind, Size, Start, TrainConfig, fit_from};
 use std::cell::RefCell;
 use std::fs::File;
 use std::io;
@@ -254,3 +255,16 @@ fn a_state_of_another_fit_is_not_used() {
         );
     }
 }
+
+/// Baselines too are the same from a file.
+#[test]
+fn baselines_from_a_file() {
+    let cell = cell(0.05);
+    for kind in BASELINES {
+        let config = baselines::config(kind);
+        let held = fit_from(Start::default(), 0, samples(&cell), &config).unwrap();
+        assert_same(&held, &spilled(&cell, 1000, &config, None));
+    }
+}
+
+const BASELINES: [Kind; 2] = [Kind::Quadratic, Kind::Nearest];
