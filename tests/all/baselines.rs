@@ -1,6 +1,6 @@
 //! Bakes by what nets are compared with go through the same commands; what only nets can do is refused.
 
-use crate::program::{OVERHEAD, Place, TINY, bytes_below, cornell, done, oracle, refused};
+use crate::program::{OVERHEAD, Place, TINY, bytes_below, cornell, done, file, oracle, refused};
 
 /// Without `--rounds`, which comes last.
 fn tiny() -> &'static [&'static str] {
@@ -69,4 +69,17 @@ fn what_only_nets_can_do_is_refused() {
     }
 }
 
-const METHODS: [&str; 2] = ["quadratic-regression", "nearest"];
+const METHODS: [&str; 3] = ["quadratic-regression", "nearest", "probes"];
+
+/// Irradiance does not tell what a glossy surface shows.
+#[test]
+fn probes_of_glossy_scenes_are_refused() {
+    let place = Place::new();
+    let (scene, run) = (
+        file("scenes/cornell-glossy/cornell-glossy.glb"),
+        place.name("run"),
+    );
+    let words = ["--method probes", "Lambertian surfaces only"];
+    refused(&["bake", &scene, "-o", &run, "--method", "probes"], &words);
+    assert!(place.holds(&[]));
+}

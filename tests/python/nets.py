@@ -51,7 +51,6 @@ def nearest_outputs(net, h, neighbours=8):
     inputs, rows, _ = net["layers"]
     points, values = np.split(np.array(net["weights"], np.float32), [inputs * rows])
     points, values = points.reshape(rows, inputs).astype(float), values.reshape(rows, 3).astype(float)
-    h = h.astype(float)
     found = np.zeros((len(h), 3))
     for at, x in enumerate(h):
         square = ((points - x) ** 2).sum(1)
@@ -63,7 +62,35 @@ def nearest_outputs(net, h, neighbours=8):
     return found
 
 
-OUTPUTS = {"net": net_outputs, "quadratic": quadratic_outputs, "nearest": nearest_outputs}
+def harmonics(n):
+    """Real spherical harmonics up to the second order, orthonormal over the sphere, [rows, 9]."""
+    x, y, z = n.T
+    one, two = np.sqrt(3 / (4 * np.pi)), np.sqrt(15 / (4 * np.pi))
+    first = [x * 0 + 1 / np.sqrt(4 * np.pi), one * y, one * z, one * x]
+    zonal = np.sqrt(5 / (16 * np.pi)) * (3 * z * z - 1)
+    return np.stack([*first, two * x * y, two * y * z, zonal, two * x * z, two / 2 * (x * x - y * y)], 1)
+
+
+def hats(h, count):
+    """What each point of a grid weighs at each place: products of hat functions, [rows, count ** 3]."""
+    h = np.clip(h, 0, count - 1)
+    x, y, z = (np.maximum(0, 1 - np.abs(h[:, [axis]] - np.arange(count))) for axis in range(3))
+    return np.einsum("ri,rj,rk->rijk", x, y, z).reshape(len(h), -1)
+
+
+def probes_outputs(net, h):
+    _, places, lights, _ = net["layers"]
+    weights = np.reshape(net["weights"], (places**3, lights**3, 9, 3))
+    at = (hats(h[:, :3], places), hats(h[:, 6:], lights), harmonics(h[:, 3:6]))
+    return np.einsum("rp,rl,rh,plhc->rc", *at, weights, optimize=True)
+
+
+OUTPUTS = {
+    "net": net_outputs,
+    "quadratic": quadratic_outputs,
+    "nearest": nearest_outputs,
+    "probes": probes_outputs,
+}
 
 
 def evaluate(net, rows):
@@ -73,8 +100,8 @@ def evaluate(net, rows):
     known = inputs(rows)
     h = np.reshape([known[name] for name in net["inputs"]], (len(net["inputs"]), rows.num_rows)).T
     # which rows are nearest hangs on roundings: as Rust rounds
-    number = np.float32 if net["kind"] == "nearest" else float
+    number = float if net["kind"] == "net" else np.float32
     h = (h.astype(number) - np.array(net["input_offset"], number)) * np.array(net["input_scale"], number)
-    y = OUTPUTS[net["kind"]](net, h) * net["output_scale"] + net["output_offset"]
+    y = OUTPUTS[net["kind"]](net, h.astype(float)) * net["output_scale"] + net["output_offset"]
     base = np.stack([known["base_" + c] for c in "rgb"], 1)
     return y * base if net["divide_base"] else y

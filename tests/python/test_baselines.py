@@ -9,7 +9,7 @@ from test_run import ORACLE, SCENE, read_arrow, rrf, walk, with_material
 import contract
 import nets
 
-METHODS = {"quadratic-regression": "quadratic", "nearest": "nearest"}
+METHODS = {"quadratic-regression": "quadratic", "nearest": "nearest", "probes": "probes"}
 
 
 @pytest.fixture(scope="module", params=METHODS)

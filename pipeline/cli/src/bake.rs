@@ -142,7 +142,7 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> anyhow::Result<BakeConfig> 
         .most_cells
         .unwrap_or(config.most_cells.max(config.extract.cells));
     config.trim = !args.no_trim;
-    method::set(&mut config, args)?;
+    method::set(&mut config, args, scene)?;
     if let Some(inputs) = &args.inputs {
         config.train.inputs.clone_from(inputs);
         config.train.lambert_without.clear();

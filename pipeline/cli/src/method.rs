@@ -3,6 +3,7 @@
 use crate::args::{BakeSettings, Hidden, Method};
 use crate::failure::BadInput;
 use rrf_bake::BakeConfig;
+use rrf_scene::{MaterialKind, Scene};
 use rrf_train::{Kind, Size};
 
 /// Hidden units of the net that stands for the whole scene.
@@ -12,7 +13,7 @@ const GLOBAL_NET: [usize; 2] = [32, 16];
 ///
 /// # Errors
 /// For options that the method cannot follow.
-pub fn set(config: &mut BakeConfig, args: &BakeSettings) -> Result<(), BadInput> {
+pub fn set(config: &mut BakeConfig, args: &BakeSettings, scene: &Scene) -> Result<(), BadInput> {
     let train = &mut config.train;
     if let Some(Hidden(units)) = &args.hidden {
         train.size = Size::Hidden(units.clone());
@@ -32,6 +33,14 @@ pub fn set(config: &mut BakeConfig, args: &BakeSettings) -> Result<(), BadInput>
             train.size = Size::Hidden(GLOBAL_NET.to_vec());
         }
         Method::QuadraticRegression => baseline(config, args, Kind::Quadratic)?,
+        Method::Probes => {
+            lambertian(scene)?;
+            if args.inputs.is_some() {
+                return Err(BadInput("--inputs: probes have their own".into()));
+            }
+            baseline(config, args, Kind::Probes)?;
+            (config.extract.cells, config.most_cells) = (1, 1);
+        }
         Method::Nearest => {
             baseline(config, args, Kind::Nearest)?;
             // the nearest may lie anywhere, and what is derived says twice what the raw columns say
@@ -42,6 +51,23 @@ pub fn set(config: &mut BakeConfig, args: &BakeSettings) -> Result<(), BadInput>
     config.train.lambert_without.clear();
     config.rounds = 1;
     Ok(())
+}
+
+/// Probes know irradiance alone.
+fn lambertian(scene: &Scene) -> Result<(), BadInput> {
+    let glossy = |m: &&u32| {
+        let material = scene.materials.get(**m as usize);
+        material.is_some_and(|material| material.kind != MaterialKind::Lambert)
+    };
+    let count = scene.triangle_material.iter().filter(glossy).count();
+    match count {
+        0 => Ok(()),
+        _ => Err(BadInput(format!(
+            "--method probes: irradiance probes know Lambertian surfaces only; {count} of {} triangles \
+             are of other materials",
+            scene.triangle_material.len()
+        ))),
+    }
 }
 
 fn baseline(config: &mut BakeConfig, args: &BakeSettings, kind: Kind) -> Result<(), BadInput> {

@@ -1,6 +1,6 @@
 //! What a cell's weights are of.
 
-use crate::baseline::quadratic;
+use crate::baseline::{probes, quadratic};
 use serde::{Deserialize, Serialize};
 
 /// A net, or a baseline that nets are compared with. All but nets stand where a net stands: scaled
@@ -18,10 +18,14 @@ pub enum Kind {
     /// inputs, row after row, then their outputs. The answer is the mean of the eight nearest rows'
     /// outputs weighted by inverse squared distance; of rows at distance 0 their mean.
     Nearest,
+    /// A grid of irradiance probes, see [`probes::Grid`]. Layers `[9, probes an axis, light positions an
+    /// axis, 3]`; weights: the three channels of each coefficient side by side; probes, light
+    /// positions (of both x slowest), harmonics.
+    Probes,
 }
 
 /// Every kind.
-pub const KINDS: [Kind; 3] = [Kind::Net, Kind::Quadratic, Kind::Nearest];
+pub const KINDS: [Kind; 4] = [Kind::Net, Kind::Quadratic, Kind::Nearest, Kind::Probes];
 
 impl Kind {
     /// As the weights table writes it.
@@ -30,6 +34,7 @@ impl Kind {
             Kind::Net => "net",
             Kind::Quadratic => "quadratic",
             Kind::Nearest => "nearest",
+            Kind::Probes => "probes",
         }
     }
 
@@ -56,6 +61,9 @@ impl Kind {
             (Kind::Nearest, [inputs, rows, 3]) if (1..u32::MAX as usize).contains(rows) => {
                 inputs.checked_add(3)?.checked_mul(*rows)
             }
+            (Kind::Probes, &[probes::INPUTS, places, lights, 3]) => probes::Grid { places, lights }
+                .coefficients()?
+                .checked_mul(3),
             _ => None,
         }
     }

@@ -25,7 +25,7 @@ mod tanh;
 pub mod tree;
 mod walk;
 
-pub use baseline::quadratic;
+pub use baseline::{probes, quadratic};
 pub use error::FieldError;
 pub use evaluate::Field;
 pub use exp::{EXP_ERROR, MAX_EXPONENT};

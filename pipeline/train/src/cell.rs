@@ -12,7 +12,7 @@ use crate::problem::Loss;
 use crate::rows::{CellRows, TakenColumn, Units};
 use crate::warm;
 use rrf_field::columns::Columns;
-use rrf_field::model::{self, CellModel};
+use rrf_field::model::{self, CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::rng::{Stage, Stream};
 
@@ -52,6 +52,9 @@ pub(crate) struct Prospect<'a> {
 impl<'a> Prospect<'a> {
     pub fn new(cell: u32, config: &'a TrainConfig) -> Result<Prospect<'a>, TrainError> {
         config.check()?;
+        if config.kind == Kind::Probes && !config.divide_base {
+            return Err(TrainError::Glossy);
+        }
         let (ids, dropped) = prepare::choose_inputs(config)?;
         Ok(Prospect {
             config,
@@ -152,8 +155,13 @@ impl<'a> Cell<'a> {
     }
 
     /// Leaves a cell that only a constant can be fitted to.
-    pub fn without_inputs(mut self) -> Cell<'a> {
-        self.units.inputs.clear();
+    pub fn without_inputs(self) -> Cell<'a> {
+        self.with_inputs(Vec::new())
+    }
+
+    /// The same with other inputs.
+    pub fn with_inputs(mut self, inputs: Vec<prepare::Input>) -> Cell<'a> {
+        self.units.inputs = inputs;
         let (train, all) = (self.train.len(), self.train.len() + self.validation.len());
         self.train = CellRows::new(&self.raw, 0..train, &self.units);
         self.validation = CellRows::new(&self.raw, train..all, &self.units);

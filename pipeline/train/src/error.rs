@@ -30,6 +30,9 @@ pub enum TrainError {
         /// The kind of model.
         kind: &'static str,
     },
+    /// Irradiance does not tell what a glossy surface reflects.
+    #[error("irradiance probes know Lambertian surfaces only, and some rows lie on others")]
+    Glossy,
     /// A number of the configuration is out of its range.
     #[error("{name} is {value}, must be {range}")]
     Config {

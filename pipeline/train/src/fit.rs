@@ -142,6 +142,7 @@ pub fn fit_from(
 
 pub(crate) fn fit_prepared(cell: u32, prepared: Cell) -> CellFit {
     let start = Instant::now();
+    let prepared = baseline::with_inputs(prepared);
     let mut fit = match prepared.trivial() {
         Some(stop) => constant(cell, prepared, stop),
         None if !prepared.config.kind.is_net() => match baseline::fit(cell, &prepared) {

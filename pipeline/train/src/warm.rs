@@ -111,6 +111,7 @@ mod tests {
                 sizes: vec![4, 5, 3, 3],
             };
             let model = CellModel {
+                kind: rrf_field::model::Kind::Net,
                 cell: 0,
                 inputs: vec![0, 3, 7, 9],
                 input_offset: vec![0.3, -0.1, 0.7, 0.2],

@@ -103,6 +103,8 @@ pub enum Method {
     QuadraticRegression,
     /// The eight nearest of the rows trained on, weighted by inverse squared distance.
     Nearest,
+    /// A grid of irradiance probes for a grid of light positions; Lambertian scenes.
+    Probes,
     /// One net for the whole scene.
     GlobalNet,
 }

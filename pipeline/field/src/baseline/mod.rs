@@ -1,6 +1,7 @@
 //! Models that nets are compared with, evaluated row by row in f64: plain, not fast.
 
 mod nearest;
+pub mod probes;
 pub mod quadratic;
 
 use crate::columns::{self, Columns};
@@ -8,6 +9,7 @@ use crate::kind::Kind;
 use crate::lights::Light;
 use crate::model::{self, CellModel};
 use nearest::Nearest;
+use probes::{Grid, Probes};
 use quadratic::Quadratic;
 
 /// Rows whose inputs are computed together.
@@ -30,6 +32,7 @@ pub struct Baseline {
 enum Form {
     Quadratic(Quadratic),
     Nearest(Nearest),
+    Probes(Probes),
 }
 
 impl Baseline {
@@ -38,6 +41,12 @@ impl Baseline {
         let form = match model.kind {
             Kind::Net => return None,
             Kind::Quadratic => Form::Quadratic(Quadratic::new(&model.weights)),
+            Kind::Probes => {
+                let &[_, places, lights, _] = model.shape.sizes.as_slice() else {
+                    return None;
+                };
+                Form::Probes(Probes::new(Grid { places, lights }, &model.weights))
+            }
             Kind::Nearest => {
                 let inputs = model.inputs.len();
                 let rows = model.weights.len() / (inputs + 3);
@@ -103,6 +112,7 @@ impl Form {
         match self {
             Form::Quadratic(quadratic) => quadratic.answer(x, work),
             Form::Nearest(nearest) => nearest.answer(x, work),
+            Form::Probes(probes) => probes.answer(x),
         }
     }
 }

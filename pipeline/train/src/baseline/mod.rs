@@ -7,6 +7,7 @@
 
 mod errors;
 mod nearest;
+mod probes;
 mod quadratic;
 mod weighing;
 
@@ -26,12 +27,24 @@ struct Solved {
     ridge: f64,
 }
 
+/// A cell with the inputs that its kind needs, whatever was asked for.
+pub(crate) fn with_inputs(prepared: Cell) -> Cell {
+    match prepared.config.kind {
+        Kind::Probes if prepared.train.len() > 0 => {
+            let inputs = probes::inputs(&prepared, probes::GRID);
+            prepared.with_inputs(inputs)
+        }
+        _ => prepared,
+    }
+}
+
 /// Fits a cell's baseline; none where `prepared` asks for a net, or nothing could be solved.
 pub(crate) fn fit(cell: u32, prepared: &Cell) -> Option<CellFit> {
     let candidates = match prepared.config.kind {
         Kind::Net => return None,
         Kind::Quadratic => quadratic::solve(prepared),
         Kind::Nearest => nearest::keep(prepared),
+        Kind::Probes => probes::solve(prepared),
     };
     let mut best: Option<(f64, CellModel, f64)> = None;
     let one = candidates.len() == 1;

@@ -10,27 +10,41 @@ use rrf_field::columns::{L, N, P};
 use rrf_field::probes::{Basis, Grid, HARMONICS, INPUTS};
 
 /// Probes and light positions an axis.
-const GRID: Grid = Grid {
+pub(super) const GRID: Grid = Grid {
     places: 6,
     lights: 4,
 };
 /// Strengths tried: λ of ‖W (A x − y)‖² + λ² ‖x‖², outputs and errors in units of about one.
-const RIDGES: [f64; 3] = [0.1, 0.3, 1.0];
-/// Steps of each solution, and the share of the first gradient at which they end.
-const STEPS: usize = 60;
-const ENOUGH: f64 = 1e-8;
+const RIDGES: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
+/// Of each solution.
+const EFFORT: Effort = Effort {
+    steps: 60,
+    enough: 1e-4,
+};
 /// Solutions, each from the last, after which the rows are weighed anew.
 const PASSES: usize = 2;
 
 type Rgb = [f64; CHANNELS];
 
+/// When conjugate gradients end.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// After so many steps.
+    steps: usize,
+    /// Or where the gradient is this share of the first one.
+    enough: f64,
+}
+
 /// Place, normal and light position, in steps of their grids over the box that the training rows span.
-pub(super) fn inputs(cell: &Cell) -> Vec<Input> {
+pub(super) fn inputs(cell: &Cell, grid: Grid) -> Vec<Input> {
     let columns = [P, N, L].map(|first| first..first + 3);
     let mut bounds = [(f32::INFINITY, f32::NEG_INFINITY); INPUTS];
     cell.raw.each(0..cell.train.len(), |chunk, rows| {
         for (column, (low, high)) in columns.iter().cloned().flatten().zip(&mut bounds) {
-            for &x in chunk.columns.columns[column].get(rows.clone()).unwrap_or_default() {
+            for &x in chunk.columns.columns[column]
+                .get(rows.clone())
+                .unwrap_or_default()
+            {
                 (*low, *high) = (low.min(x), high.max(x));
             }
         }
@@ -38,14 +52,17 @@ pub(super) fn inputs(cell: &Cell) -> Vec<Input> {
     let input = |(column, (low, high)): (usize, (f32, f32))| {
         let steps = match column {
             column if (N..N + 3).contains(&column) => None,
-            column if column < N => Some(GRID.places - 1),
-            _ => Some(GRID.lights - 1),
+            column if column < N => Some(grid.places - 1),
+            _ => Some(grid.lights - 1),
         };
         let scale = |steps: usize| steps as f32 / (high - low);
         let (offset, scale) = match steps {
             None => (0.0, 1.0),
             // a scene without extent along an axis: always the first probe
-            Some(steps) => (low, Some(scale(steps)).filter(|s| s.is_finite()).unwrap_or(0.0)),
+            Some(steps) => (
+                low,
+                Some(scale(steps)).filter(|s| s.is_finite()).unwrap_or(0.0),
+            ),
         };
         Input {
             id: column as u8,
@@ -53,13 +70,18 @@ pub(super) fn inputs(cell: &Cell) -> Vec<Input> {
             scale,
         }
     };
-    columns.into_iter().flatten().zip(bounds).map(input).collect()
+    columns
+        .into_iter()
+        .flatten()
+        .zip(bounds)
+        .map(input)
+        .collect()
 }
 
 /// One candidate a ridge.
 pub(super) fn solve(cell: &Cell) -> Vec<Solved> {
     let one = |ridge: f64| {
-        let coefficients = solve_with(&mut Weighing::new(cell), GRID, ridge, STEPS)?;
+        let coefficients = solve_with(&mut Weighing::new(cell), GRID, ridge, EFFORT)?;
         Some(Solved {
             weights: coefficients.iter().flatten().map(|&w| w as f32).collect(),
             layers: vec![INPUTS, GRID.places, GRID.lights, CHANNELS],
@@ -69,12 +91,7 @@ pub(super) fn solve(cell: &Cell) -> Vec<Solved> {
     RIDGES.into_iter().filter_map(one).collect()
 }
 
-fn solve_with(
-    weighing: &mut Weighing,
-    grid: Grid,
-    ridge: f64,
-    steps: usize,
-) -> Option<Vec<Rgb>> {
+fn solve_with(weighing: &mut Weighing, grid: Grid, ridge: f64, effort: Effort) -> Option<Vec<Rgb>> {
     let mut found = vec![[0.0; CHANNELS]; grid.coefficients()?];
     for pass in 0..PASSES {
         if pass > 0 {
@@ -85,13 +102,19 @@ fn solve_with(
             grid,
             ridge,
         }
-        .descend(&mut found, steps);
+        .descend(&mut found, effort);
     }
-    found.iter().flatten().all(|x| x.is_finite()).then_some(found)
+    found
+        .iter()
+        .flatten()
+        .all(|x| x.is_finite())
+        .then_some(found)
 }
 
 fn basis(grid: Grid, row: &Row) -> Basis {
-    grid.basis(std::array::from_fn(|i| row.x.get(i).copied().unwrap_or(0.0)))
+    grid.basis(std::array::from_fn(|i| {
+        row.x.get(i).copied().unwrap_or(0.0)
+    }))
 }
 
 /// A row of A times x, channel by channel.
@@ -150,7 +173,10 @@ impl System<'_, '_> {
 
     /// Aᵀ W r − λ² x.
     fn gradient(&self, residuals: &[Rgb], x: &[Rgb]) -> Vec<Rgb> {
-        let mut sum: Vec<Rgb> = x.iter().map(|x| x.map(|x| -self.ridge.powi(2) * x)).collect();
+        let mut sum: Vec<Rgb> = x
+            .iter()
+            .map(|x| x.map(|x| -self.ridge.powi(2) * x))
+            .collect();
         self.weighing.each(|row| {
             let r = residuals.get(row.at).copied().unwrap_or_default();
             let weighted = std::array::from_fn(|c| row.weight[c] * r[c]);
@@ -160,13 +186,13 @@ impl System<'_, '_> {
     }
 
     /// Conjugate gradients from `x` on.
-    fn descend(&self, x: &mut [Rgb], steps: usize) {
+    fn descend(&self, x: &mut [Rgb], effort: Effort) {
         let mut residuals = self.residuals(x);
         let mut gradient = self.gradient(&residuals, x);
         let mut direction = gradient.clone();
         let mut square = squares(&gradient);
         let first = square;
-        for _ in 0..steps {
+        for _ in 0..effort.steps {
             let applied = self.apply(&direction);
             let (image, length) = (squares(&applied), squares(&direction));
             let step: Rgb = std::array::from_fn(|c| {
@@ -176,7 +202,7 @@ impl System<'_, '_> {
             add(&mut residuals, &applied, step.map(|s| -s));
             gradient = self.gradient(&residuals, x);
             let before = std::mem::replace(&mut square, squares(&gradient));
-            if (0..CHANNELS).all(|c| square[c] <= ENOUGH * ENOUGH * first[c]) {
+            if (0..CHANNELS).all(|c| square[c] <= effort.enough.powi(2) * first[c]) {
                 return;
             }
             let keep: Rgb = std::array::from_fn(|c| ratio(square[c], before[c]));
@@ -203,3 +229,6 @@ fn add(x: &mut [Rgb], y: &[Rgb], step: Rgb) {
         *x = std::array::from_fn(|c| x[c] + step[c] * y[c]);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -175,4 +175,6 @@ fn what_only_nets_can_do_is_refused() {
     assert_eq!(of(|c, _| c.prune = Some(0.1)), refused);
     assert_eq!(of(|c, _| c.exponential = true), refused);
     assert_eq!(of(|_, _| ()), Ok(()));
+    let probes = |c: &mut TrainConfig, _| c.kind = Kind::Probes;
+    assert_eq!(of(probes), Err(TrainError::Glossy));
 }
