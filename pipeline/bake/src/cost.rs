@@ -20,6 +20,8 @@ const CANDIDATES: f64 = 20.0;
 const TAKEN_ROW: f64 = 2e-6;
 /// Seconds a row, iteration and squared weight of a fit.
 const STEP: f64 = 1.1e-11;
+/// Seconds a row of irradiance probes, all of their ridges.
+const PROBES_ROW: f64 = 5e-4;
 /// Share of the iterations allowed that a fit takes, and one that goes on from an earlier net.
 const TAKEN: f64 = 0.6;
 const TAKEN_WARM: f64 = 0.3;
@@ -66,6 +68,7 @@ pub(crate) fn extract_memory(draw: &DrawPlan) -> u64 {
 /// Seconds of one core that a cell's fit takes, what is taken out of its net included.
 pub(crate) fn fit_seconds(rows: u64, cell: &CellPlan, config: &TrainConfig) -> f64 {
     match cell.prune {
+        _ if config.kind == Kind::Probes => rows as f64 * PROBES_ROW,
         Some(_) => prune_seconds(rows, some_weights(&cell.size, config)),
         None => train_seconds(rows, &cell.size, config, cell.earlier.is_some()),
     }

@@ -211,7 +211,7 @@ fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettin
             let known = Method::value_variants().iter();
             let known = known.filter_map(|method| method.to_possible_value());
             let names: Vec<_> = known.map(|value| value.get_name().to_string()).collect();
-            BadInput(format!("method {name:?}: one of {}", names.join(", ")))
+            BadInput(format!("method {name:?}: {}", names.join(", ")))
         })?,
     };
     let target = own.target.or(defaults.target).unwrap_or(0.05);

@@ -16,11 +16,11 @@ pub(super) fn choosing(cell: &Cell, model: &CellModel) -> ErrorEstimate {
 }
 
 /// Squared relative errors on the rows trained on and on those held out, divided by a mixture of
-/// the targets' luminance and of the prediction's, as those of nets are.
+/// the targets' luminance and of the prediction's, as those of nets are; but how far predictions can be
+/// relied on is told by the rows that choose: what is made of the training rows may follow their noise.
 pub(super) fn both(cell: &Cell, model: &CellModel) -> (ErrorEstimate, ErrorEstimate) {
     let (train, held) = ranges(cell);
-    let first = error(cell, model, train.clone(), 1.0);
-    let share = cell.loss.target_share(first.square);
+    let share = cell.loss.target_share(choosing(cell, model).square);
     (
         error(cell, model, train, share),
         error(cell, model, held, share),

@@ -83,9 +83,8 @@ impl<'a> Weighing<'a> {
     pub fn reweigh(&mut self, out: impl Fn(&Row) -> [f64; CHANNELS]) {
         let (mut sum, mut counted) = (0.0, 0usize);
         self.each(|row| {
-            let found = out(row);
-            for c in 0..CHANNELS {
-                sum += (row.weight[c] * (found[c] - row.target[c])).powi(2);
+            for (c, found) in out(row).into_iter().enumerate() {
+                sum += (row.weight[c] * (found - row.target[c])).powi(2);
                 counted += usize::from(row.weight[c] > 0.0);
             }
         });
