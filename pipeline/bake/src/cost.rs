@@ -21,7 +21,7 @@ const TAKEN_ROW: f64 = 2e-6;
 /// Seconds a row, iteration and squared weight of a fit.
 const STEP: f64 = 1.1e-11;
 /// Seconds a row of irradiance probes, all of their ridges.
-const PROBES_ROW: f64 = 5e-4;
+const PROBES_ROW: f64 = 7e-4;
 /// Share of the iterations allowed that a fit takes, and one that goes on from an earlier net.
 const TAKEN: f64 = 0.6;
 const TAKEN_WARM: f64 = 0.3;

@@ -1,7 +1,7 @@
 //! The model's tables.
 
 use crate::made;
-use rrf_field::model::CellModel;
+use rrf_field::model::{CellModel, KINDS, Kind};
 use rrf_store::StoreError;
 use rrf_store::layout::fit_folder;
 use rrf_store::manifest::RunFacts;
@@ -169,4 +169,40 @@ fn steps_are_read_back() {
     other.seed ^= 1;
     let refused = read_steps(&fit, &other).unwrap_err();
     assert!(refused.is_bad_input(), "{refused}");
+}
+
+/// Of whatever kind a model is, it is read back; what is stored of it has to be that kind's.
+#[test]
+fn models_of_every_kind() {
+    let run = tempfile::tempdir().unwrap();
+    let of = |kind: Kind| {
+        let sizes = match kind {
+            Kind::Net => vec![9, 2, 3],
+            Kind::Quadratic => vec![9, 3],
+            Kind::Nearest => vec![9, 4, 3],
+            Kind::Probes => vec![9, 2, 2, 3],
+        };
+        CellModel {
+            kind,
+            inputs: (0..9).collect(),
+            input_offset: vec![0.0; 9],
+            input_scale: vec![1.0; 9],
+            weights: vec![0.5; kind.weights(&sizes).unwrap()],
+            shape: rrf_field::net::Shape { sizes },
+            ..made::cell_model(0)
+        }
+    };
+    for kind in KINDS {
+        write_weights(run.path(), &[of(kind)], &made::facts()).unwrap();
+        let back = read_weights(run.path(), &made::facts()).unwrap();
+        assert_eq!(back, [of(kind)]);
+        for other in KINDS.into_iter().filter(|other| *other != kind) {
+            let wrong = CellModel {
+                kind: other,
+                ..of(kind)
+            };
+            let error = write_weights(run.path(), &[wrong], &made::facts()).unwrap_err();
+            assert!(matches!(error, StoreError::Model { .. }), "{error}");
+        }
+    }
 }

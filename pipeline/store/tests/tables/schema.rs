@@ -7,7 +7,7 @@ use rrf_store::schema::{Column, TABLES, Table, table};
 const PINNED: [(Table, u32, &str); 10] = [
     (Table::Samples, 1, "1ef54b601e453216"),
     (Table::Tree, 1, "f207d34842db00d3"),
-    (Table::Weights, 2, "b8e8d442a6ab4c1e"),
+    (Table::Weights, 3, "61af74b0712c890f"),
     (Table::Metrics, 1, "dc8814f0ffc144ec"),
     (Table::Points, 1, "4cd9cd184fdab6a7"),
     (Table::Truth, 1, "57d96e5160c35bbc"),
