@@ -15,8 +15,9 @@ use rrf_field::{Field, FieldError};
 use rrf_store::model::{Domain, Seams, Spread};
 use rrf_store::parts;
 
-/// Rows of a cell that are looked at, at the most: a commit reads no more parts than hold them.
-const ROWS: usize = 200;
+/// Rows of a cell that are looked at, at the most: a commit reads no more parts than hold them. The
+/// newest are the largest, as they were drawn for the cell as it is and not for its ancestors.
+const ROWS: usize = 400;
 /// How near to a face counts, and how far inwards the own net is asked, in sizes of the cell.
 const NEAR: f64 = 0.1;
 /// Columns whose faces count: p, v and l.
@@ -55,10 +56,10 @@ fn epsilon(share: f64, mean_luminance: f32) -> f64 {
     }
 }
 
-/// A cell's first rows held out, in the order of its parts.
+/// A cell's first rows held out, its newest part first.
 fn some_rows(run: &Run, cell: &CellPlan) -> Result<Columns, BakeError> {
     let (mut rows, facts) = (Columns::default(), run.facts());
-    for part in &cell.parts {
+    for part in cell.parts.iter().rev() {
         if rows.len() >= ROWS {
             break;
         }

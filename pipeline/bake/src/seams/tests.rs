@@ -277,16 +277,17 @@ fn write_part(run: &Run, number: u32, first: u64, rows: u64) {
     parts::write_part(&run.folder, number, &table, &run.facts()).unwrap();
 }
 
-/// The first rows held out, over the borders of parts and no further: the fourth part is not there.
+/// The first rows held out, from the newest part on and no further back than it takes: the oldest
+/// part is not there.
 #[test]
-fn rows_are_the_first_held_out() {
+fn rows_are_the_first_held_out_of_the_newest_parts() {
     let folder = tempfile::tempdir().unwrap();
     let run = empty_run(folder.path());
-    for (number, first, rows) in [(1, 5_000, 300), (2, 0, 0), (4, 0, 600)] {
+    for (number, first, rows) in [(1, 5_000, 1_000), (2, 0, 0), (4, 0, 900)] {
         write_part(&run, number, first, rows);
     }
     let mut cell = crate::plan::one_cell(8).cells.remove(0);
-    cell.parts = [1, 2, 4, 5]
+    cell.parts = [0, 1, 2, 4]
         .map(|part| crate::plan::PartPlan {
             part,
             draw: 0,
@@ -294,17 +295,15 @@ fn rows_are_the_first_held_out() {
         })
         .into();
     let found = some_rows(&run, &cell).unwrap();
-    let wanted: Vec<f32> = (5_000..5_300)
-        .chain((0..600).filter(|&i| i != odd_one()))
+    let wanted: Vec<f32> = (0..900)
+        .filter(|&i| i != odd_one())
+        .chain(5_000..6_000)
         .filter(|&i| is_held_out(7, i))
         .map(|i| i as f32)
         .take(ROWS)
         .collect();
-    assert_eq!(found.columns[PX], wanted);
-    cell.parts.pop();
-    cell.parts.remove(2);
-    assert!(
-        some_rows(&run, &cell).unwrap().len() < ROWS,
-        "all that there are"
-    );
+    assert_eq!((wanted.len(), &found.columns[PX]), (ROWS, &wanted));
+    cell.parts.drain(..2);
+    let all = some_rows(&run, &cell).unwrap();
+    assert!(all.len() < ROWS && all.columns[PX] == wanted[..all.len()]);
 }
