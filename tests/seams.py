@@ -1,20 +1,20 @@
 """How much a model jumps from cell to cell: python3 tests/seams.py RUN [ROWS_A_CELL]
 
-Of each cell some of its held-out samples, moved along one column onto the face of the cell's box that is
-nearest (in shares of the cell's own size; faces within a tenth of it, columns of p, v and l). There
-the nets of both sides answer, where the cell beyond was trained on such rows too. Told are, all relative to max(luminance, ε), ε = 5 % of the mean:
+The seam columns of model/metrics.arrow once more, with numpy alone, beside the program
+(tests/python/nets.py), as schemas/metrics.toml says; and what they come to over the whole run, rows of each cell
+weighed by its share of it, all relative to max(luminance, ε):
 
 - jump: root mean square and median of the difference between the two nets, where they meet;
 - change: the same of how much the cell's own net changes from the face to a tenth of the cell inwards;
 - error of the model at the rows near a face and at all rows (free of Monte Carlo noise);
 - the same of rows near a face if the net beyond it were blended in.
 
-Two nets with independent errors of the size near a face differ by sqrt(2) times that error. With numpy
-alone, beside the program (tests/python/nets.py).
+Two nets with independent errors of the size near a face differ by sqrt(2) times that error.
 """
 
 import json
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +30,26 @@ RAW = [a + b for a in "pnvl" for b in "xyz"]
 RAW += ["base_r", "base_g", "base_b", "roughness", "metallic", "specular"]
 AXES = [RAW.index(a + b) for a in "pvl" for b in "xyz"]
 NEAR = 0.1
+ROWS = 400
 RGB = "rgb"
+
+
+@dataclass
+class Seams:
+    """Rows of a run: all that were looked at, and those of them (`at`) that meet another cell."""
+
+    x: np.ndarray  # raw columns, [rows, 18]
+    y: np.ndarray  # both halves, [2, rows, 3]
+    own: np.ndarray  # cell, [rows]
+    at: np.ndarray  # rows near a face that count, [near]
+    away: np.ndarray  # how far from it, in sizes of the cell, [near]
+    beyond: np.ndarray  # the neighbour, [near]
+    mine: np.ndarray  # the own net's answer at the face, [near, 3]
+    other: np.ndarray  # the neighbour's there
+    inside: np.ndarray  # the own net's a tenth of the cell inwards
+    divisor: np.ndarray  # [near]
+    epsilon: float
+    weights: dict  # the net of each cell
 
 
 def read(path):
@@ -66,84 +85,111 @@ def answers(weights, cells, x):
     return out
 
 
-def main(run, rows_a_cell="400"):
-    run, count = Path(run), int(rows_a_cell)
-    table = read(run / "model/tree.arrow")
-    tree = table.to_pylist()
-    leaf = lambda x: nets.leaf(table, named(x))
-    weights = {net["cell_id"]: net for net in read(run / "model/weights.arrow").to_pylist()}
-    last = sorted((run / "rounds").glob("*/judged.json"))[-1]
-    judged = {c["cell"]: c["measure"] for c in json.loads(last.read_text())["judgement"]["cells"]}
-    seed = json.loads((run / "run.json").read_text())["seed"]
-    x, y, own, weight, size = [], [], [], [], []
-    for cell in weights:
-        parts = sorted((run / f"samples/cell={cell:06d}").glob("*.parquet"))
-        rows = pa.concat_tables([pq.ParquetFile(part).read() for part in parts])
-        raw = np.stack([rows[n].to_numpy() for n in RAW], 1).astype(float)
-        halves = [np.stack([rows[f"y{h}_{c}"].to_numpy() for c in RGB], 1).astype(float) for h in (0, 1)]
-        some = np.flatnonzero(held_out(seed, rows["sample_index"].to_numpy()))
-        some = some[:: max(1, len(some) // count)][:count]
-        x.append(raw[some])
-        y.append(np.stack([half[some] for half in halves]))
-        own += [cell] * len(some)
-        weight += [judged[cell] / len(some)] * len(some)
-        size += [raw.max(0) - raw.min(0)] * len(some)
-    x, y, size = np.concatenate(x), np.concatenate(y, 1), np.array(size)
-    own, weight = np.array(own), np.array(weight)
-    mean = y.mean((0, 2))
-    epsilon = 0.05 * (weight * mean).sum() / weight.sum()
-    divisor = np.maximum(mean, epsilon)
-    box = boxes(tree)
-    faces = np.stack([box[cell] for cell in own])
-    # shares of the cell's size to each face of the columns that vary
+def first_held_out(folder, seed, count):
+    """The cell's first rows held out, its last part first: [rows, 18] and [2, rows, 3]."""
+    found, rows = [], 0
+    for part in sorted(folder.glob("*.parquet"), reverse=True):
+        if rows < count:
+            table = pq.ParquetFile(part).read()
+            raw = np.stack([table[n].to_numpy() for n in RAW], 1)
+            halves = np.stack([[table[f"y{h}_{c}"].to_numpy() for c in RGB] for h in (0, 1)])
+            some = held_out(seed, table["sample_index"].to_numpy()) & np.isfinite(raw).all(1)
+            found.append((raw[some], np.moveaxis(halves, 1, 2)[:, some].astype(float)))
+            rows += some.sum()
+    x, y = np.concatenate([x for x, _ in found]), np.concatenate([y for _, y in found], 1)
+    return x[:count], y[:, :count]
+
+
+def moved(x, faces, span):
+    """Rows near a face; how far away; they moved to their side of it, beyond it, and inwards."""
+    size = (span[:, 1] - span[:, 0]).astype(float)
     with np.errstate(divide="ignore", invalid="ignore"):
-        away = abs(x[:, None, :] - faces) / size[:, None, :]
+        away = abs(x[:, None].astype(float) - faces) / size[:, None]
     away[:, :, [k for k in range(18) if k not in AXES]] = np.inf
-    away[np.isnan(away) | (size[:, None, :] <= 0).repeat(2, 1)] = np.inf
+    away[(size[:, None] <= 0).repeat(2, 1)] = np.inf
     flat = away.reshape(len(x), -1)
     nearest = flat.argmin(1)
-    near = flat[np.arange(len(x)), nearest] < NEAR
-    side, axis = nearest // 18, nearest % 18
-    at = np.arange(len(x))[near]
-    face = faces[at, side[at], axis[at]]
-    here, over, within = x[at].copy(), x[at].copy(), x[at].copy()
-    inwards = np.where(side[at] == 0, 1.0, -1.0)
-    f32 = face.astype(np.float32)
-    here[np.arange(len(at)), axis[at]] = face
-    over[np.arange(len(at)), axis[at]] = np.where(side[at] == 0, np.nextafter(f32, np.float32(-np.inf)), f32)
-    within[np.arange(len(at)), axis[at]] = face + inwards * NEAR * size[at, axis[at]]
+    at = np.flatnonzero(flat.min(1) < NEAR)
+    low, axis = nearest[at] < 18, nearest[at] % 18
+    above = faces.reshape(len(x), -1)[at, nearest[at]].astype(np.float32)
+    below = np.nextafter(above, np.float32(-np.inf))
+    own, beyond = np.where(low, above, below), np.where(low, below, above)
+    within = own + np.where(low, NEAR, -NEAR) * size[at, axis]
+    rows = [x[at].copy() for _ in range(3)]
+    for row, place in zip(rows, (own, beyond, within.astype(np.float32))):
+        row[np.arange(len(at)), axis] = place
+    return at, flat[at, nearest[at]], rows
+
+
+def seams(run, count=ROWS):
+    run = Path(run)
+    table, manifest = read(run / "model/tree.arrow"), json.loads((run / "run.json").read_text())
+    plan = json.loads(sorted((run / "rounds").glob("*/judged.json"))[-1].with_name("plan.json").read_text())
+    mean = float(np.float32(plan["mean_luminance"]))
+    epsilon = manifest["config"]["train"]["epsilon"] * mean if mean > 0 else 1.0
+    weights = {net["cell_id"]: net for net in read(run / "model/weights.arrow").to_pylist()}
+    tree = table.to_pylist()
+    box = boxes(tree)
+    spans = {n["cell_id"]: np.array([n["domain_min"], n["domain_max"]]) for n in tree if n["axis"] < 0}
+    rows = [first_held_out(run / f"samples/cell={cell:06d}", manifest["seed"], count) for cell in weights]
+    x, y = np.concatenate([x for x, _ in rows]), np.concatenate([y for _, y in rows], 1)
+    own = np.repeat(list(weights), [len(x) for x, _ in rows])
+    each = lambda of, cells: np.array([of[cell] for cell in cells]).reshape(-1, 2, 18)
+    at, away, (here, over, within) = moved(x, each(box, own), each(spans, own))
     # a face may be where one object ends and another begins: no seam, the nets never meet there
-    beyond = leaf(over)
-    domains = {n["cell_id"]: (n["domain_min"], n["domain_max"]) for n in tree if n["axis"] < 0}
-    low, high = (np.array([domains[cell][k] for cell in beyond], float) for k in (0, 1))
+    beyond = nets.leaf(table, named(over))
+    low, high = np.moveaxis(each(spans, beyond), 1, 0)
     slack = 0.05 * (high - low) + 1e-4 * abs(high + low)
     meet = ((low - slack <= over) & (over <= high + slack)).all(1)
-    at, here, over, within, beyond = (a[meet] for a in (at, here, over, within, beyond))
-    near = np.isin(np.arange(len(x)), at)
-    mine = answers(weights, own[at], here)
-    other = answers(weights, beyond, over)
-    inside = answers(weights, own[at], within)
-    d = np.maximum((mine + other).mean(1) / 2, epsilon)[:, None]
-    w = weight[at] / weight[at].sum()
-    rms = lambda e: float((w * (e**2).mean(1)).sum() ** 0.5)
-    p = answers(weights, own, x)
+    at, away, here, over, within, beyond = (a[meet] for a in (at, away, here, over, within, beyond))
+    mine, inside = (answers(weights, own[at], rows.astype(float)) for rows in (here, within))
+    other = answers(weights, beyond, over.astype(float))
+    divisor = np.maximum((mine + other).mean(1) / 2, epsilon)
+    x = x.astype(float)
+    return Seams(x, y, own, at, away, beyond, mine, other, inside, divisor, epsilon, weights)
+
+
+def sizes(found):
+    """Of each row that counts, root mean square over the channels of its jump and of its change."""
+    of = lambda other: (((found.mine - other) / found.divisor[:, None]) ** 2).mean(1) ** 0.5
+    return of(found.other), of(found.inside)
+
+
+def columns(found):
+    """The seam columns of every cell."""
+    both = dict(zip(("jump", "change"), sizes(found)))
+    for cell in found.weights:
+        here = found.own[found.at] == cell
+        row = {"cell_id": cell, "seam_rows": int(here.sum())}
+        for name, of in both.items():
+            some = here.any()
+            row[f"seam_{name}"] = float((of[here] ** 2).mean() ** 0.5) if some else None
+            row[f"seam_{name}_median"] = float(np.median(of[here])) if some else None
+        yield row
+
+
+def main(run, rows_a_cell=ROWS):
+    found = seams(run, int(rows_a_cell))
+    x, y, own, at = found.x, found.y, found.own, found.at
+    last = sorted((Path(run) / "rounds").glob("*/judged.json"))[-1]
+    judged = {c["cell"]: c["measure"] for c in json.loads(last.read_text())["judgement"]["cells"]}
+    weight = np.array([judged[cell] for cell in own]) / np.bincount(own)[own]
+    print(f"{len(found.weights)} cells, {len(x)} rows, {len(at) / len(x):.0%} of them within a tenth of a cell of a face")
+    for name, of in zip(("jump across faces", "change over a tenth of a cell"), sizes(found)):
+        rms = (weight[at] @ of**2 / weight[at].sum()) ** 0.5
+        print(f"{name:30} {rms:.2%}, median {np.median(of):.2%}")
+    p = answers(found.weights, own, x)
+    divisor = np.maximum(y.mean((0, 2)), found.epsilon)
     square = ((p - y[0]) * (p - y[1])).mean(1) / divisor**2
-    error = lambda rows: max(float((weight[rows] * square[rows]).sum() / weight[rows].sum()), 0) ** 0.5
+    error = lambda s, w: max(float(w @ s / w.sum()), 0) ** 0.5
+    print(f"error near faces               {error(square[at], weight[at]):.2%}  (all rows {error(square, weight):.2%})")
     # the neighbour's net counts for half at the face and nothing a margin inwards
-    other_p, away_near = answers(weights, beyond, x[at]), flat[at, nearest[at]]
-    jump, change = rms((mine - other) / d), rms((mine - inside) / d)
-    print(f"{len(weights)} cells, {len(x)} rows, {near.mean():.0%} of them within a tenth of a cell of a face")
-    median = lambda e: float(np.median((e**2).mean(1) ** 0.5))
-    jumps, changes = median((mine - other) / d), median((mine - inside) / d)
-    print(f"jump across faces              {jump:.2%}, median {jumps:.2%}")
-    print(f"change over a tenth of a cell  {change:.2%}, median {changes:.2%}")
-    print(f"error near faces               {error(near):.2%}  (all rows {error(np.ones_like(near)):.2%})")
+    other = answers(found.weights, found.beyond, x[at])
     for margin in (0.05, 0.1):
-        share = np.maximum(0.5 * (1 - away_near / margin), 0)[:, None]
-        blended = (1 - share) * p[at] + share * other_p
-        rows, w = share[:, 0] > 0, weight[at]
-        squares = [((q - y[0, at]) * (q - y[1, at])).mean(1) / divisor[at] ** 2 for q in (p[at], blended)]
-        before, after = (max((w * s)[rows].sum() / w[rows].sum(), 0) ** 0.5 for s in squares)
+        share = np.maximum(0.5 * (1 - found.away / margin), 0)[:, None]
+        q, rows = (1 - share) * p[at] + share * other, share[:, 0] > 0
+        blended = ((q - y[0, at]) * (q - y[1, at])).mean(1) / divisor[at] ** 2
+        before, after = (error(s[rows], weight[at][rows]) for s in (square[at], blended))
         print(f"blended within {margin:.0%} of a cell     {before:.2%} -> {after:.2%}")
 
 

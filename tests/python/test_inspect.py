@@ -111,6 +111,14 @@ def test_how_the_fits_went(run):
     assert given == sorted(given, reverse=True) and given[0] == pc.max(metrics["relative_error_validation"]).as_py()
     stops = {row["stop_reason"]: row["cells"] for row in named(page, "metrics: why fits stopped")}
     assert stops == {r["values"]: r["counts"] for r in pc.value_counts(metrics["stop_reason"]).to_pylist()}
+    [meet] = next(rows for title, rows in page.items() if title.startswith("metrics: where cells meet"))
+    cells = [row for row in metrics.to_pylist() if row["seam_rows"]]
+    assert meet["rows"] == sum(row["seam_rows"] for row in cells)
+    for name in ("jump", "change"):
+        square = sum(row[f"seam_{name}"] ** 2 * row["seam_rows"] for row in cells)
+        assert meet[name] == pytest.approx((square / meet["rows"]) ** 0.5, rel=1e-12)
+        medians = [row[f"seam_{name}_median"] for row in cells]
+        assert meet[f"{name}_median"] == pytest.approx(np.median(medians), rel=1e-12)
 
 
 @pytest.mark.parametrize("place", ("samples", "model"))

@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 
 import duckdb
 import numpy as np
@@ -19,6 +20,9 @@ import contract
 import nets
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+import seams  # noqa: E402
+
 SCENE = ROOT / "scenes/cornell-box/scene.pbrt"
 ORACLE = ROOT / "tests/data/oracle/cornell_overhead.parquet"
 CELLS = 3
@@ -38,6 +42,15 @@ def baked(tmp_path_factory):
     box = "-0.6,1.3,-0.6,0.6,1.8,0.6"
     sizes = ["--cells", CELLS, "--rows", ROWS, "--paths", 8, "--rounds", 1]
     rrf("bake", SCENE, "-o", run, "--light-box", box, *sizes)
+    return run
+
+
+@pytest.fixture(scope="module")
+def split(tmp_path_factory):
+    """The Cornell box with lights anywhere, some of its cells cut in rounds: they meet each other."""
+    run = tmp_path_factory.mktemp("rrf") / "run"
+    sizes = ["--cells", 6, "--rows", 24_000, "--paths", 8, "--rounds", 3]
+    rrf("bake", SCENE, "-o", run, "--light-box=-0.8,0.2,-0.8,0.8,1.8,0.8", *sizes)
     return run
 
 
@@ -151,6 +164,44 @@ def test_numpy_evaluates_the_model(baked, answers):
     assert (error / np.maximum(scale, found)[~sealed]).max() < 1e-5
     brightest = found[~sealed].max(axis=1, keepdims=True)
     assert ((error / brightest).max(axis=1) < 1e-5).mean() > 0.99
+
+
+def test_numpy_finds_the_seams(split):
+    """The seam columns of metrics.arrow, computed as their schema says. Answers differ by float32's
+    rounding, 1e-5 of a net's output scale or of the value (see above): that bounds by how much
+    a row's jump or change can differ, the mean square of that a root mean square, the largest a median."""
+    found, metrics = seams.seams(split), read_arrow(split / "model/metrics.arrow").to_pylist()
+    wanted = list(seams.columns(found))
+    assert [row["cell_id"] for row in metrics] == [row["cell_id"] for row in wanted]
+    assert [row["seam_rows"] for row in metrics] == [row["seam_rows"] for row in wanted]
+    limit = lambda cells, answers: np.maximum([found.weights[cell]["output_scale"] for cell in cells], answers)
+    own, divisor, sizes = found.own[found.at], found.divisor, seams.sizes(found)
+    mine, other, inside = limit(own, found.mine), limit(found.beyond, found.other), limit(own, found.inside)
+    mean = (mine + other).mean(1) / 2
+    shown = 0
+    for name, second, size in zip(("seam_jump", "seam_change"), (other, inside), sizes):
+        rounding = 1e-5 * (((mine + second) ** 2).mean(1) ** 0.5 + mean * size) / divisor
+        for row, again in zip(metrics, wanted):
+            here = own == row["cell_id"]
+            if not here.any():
+                assert row[name] is None and row[f"{name}_median"] is None
+                continue
+            assert abs(row[name] - again[name]) <= (rounding[here] ** 2).mean() ** 0.5
+            assert abs(row[f"{name}_median"] - again[f"{name}_median"]) <= rounding[here].max()
+            shown += rounding[here].max() < 0.01 * row[name]
+    # cells that meet none, cells whose figures are well above the rounding, rows of several parts
+    meet = sum(row["seam_rows"] > 0 for row in metrics)
+    assert 2 <= meet < len(metrics) and shown > meet
+    parts = [len(list((split / f"samples/cell={row['cell_id']:06}").iterdir())) for row in metrics if row["seam_rows"]]
+    assert max(parts) > 1
+
+
+def test_a_fit_alone_has_no_seams(baked):
+    fits = sorted(baked.glob("rounds/000/fits/*/metrics.arrow"))
+    assert len(fits) == CELLS
+    for path in fits:
+        [row] = read_arrow(path).to_pylist()
+        assert {row[name] for name in row if name.startswith("seam_")} == {None}
 
 
 def with_material(table, baked):

@@ -235,6 +235,9 @@ def test_metrics_are_consistent(run):
                 error = row[f"relative_error_{rows}"]
                 assert error == pytest.approx(max(square, 0) ** 0.5)
     assert metrics[2]["relative_error_validation"] is None
+    # with a neighbour, without one, and of a fit that knows none
+    seams = [[row[name] for name in row if name.startswith("seam_")] for row in metrics]
+    assert seams == [[120, 0.0625, 0.03125, 0.125, 0.0625], [0] + 4 * [None], 5 * [None]]
 
 
 def test_steps_of_a_fit(run):

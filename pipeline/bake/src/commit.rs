@@ -4,9 +4,11 @@ use crate::error::BakeError;
 use crate::judge::{Judgement, judge};
 use crate::plan::RoundPlan;
 use crate::run::Run;
+use crate::seams::seams;
 use crate::task::{is_done, tasks};
+use rrf_field::Field;
 use rrf_store::layout::fit_folder;
-use rrf_store::model::{self, Fit, ModelTree};
+use rrf_store::model::{self, Domain, Fit, ModelTree};
 use rrf_store::parts::remove_part;
 use std::collections::BTreeSet;
 
@@ -34,10 +36,16 @@ pub fn commit(run: &Run, plan: &RoundPlan) -> Result<Judgement, BakeError> {
         tree.domains[node] = fits.get(cell as usize).and_then(|fit| fit.domain);
     }
     let judgement = judge(plan, &fits);
-    let (models, metrics): (Vec<_>, Vec<_>) =
+    let spans: Vec<Option<Domain>> = fits.iter().map(|fit| fit.domain).collect();
+    let (models, mut metrics): (Vec<_>, Vec<_>) =
         fits.into_iter().map(|fit| (fit.model, fit.metrics)).unzip();
+    let field = Field::new(plan.tree.clone(), models)?;
+    let seams = seams(run, plan, &field, &spans)?;
+    for (metrics, seams) in metrics.iter_mut().zip(seams) {
+        metrics.seams = Some(seams);
+    }
     model::write_tree(&run.folder, &tree, &facts)?;
-    model::write_weights(&run.folder, &models, &facts)?;
+    model::write_weights(&run.folder, field.models(), &facts)?;
     model::write_metrics(&run.folder, &metrics, &facts)?;
     remove_replaced(run, plan)?;
     Ok(judgement)

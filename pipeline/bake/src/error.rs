@@ -2,6 +2,7 @@
 
 use crate::watch::Halt;
 use rrf_extract::ExtractError;
+use rrf_field::FieldError;
 use rrf_scene::SceneError;
 use rrf_store::StoreError;
 use rrf_trace::TraceError;
@@ -23,6 +24,9 @@ pub enum BakeError {
     /// A table or the run folder.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The fits' nets and the tree do not make a model.
+    #[error(transparent)]
+    Field(#[from] FieldError),
     /// A fit could not start.
     #[error(transparent)]
     Train(#[from] TrainError),

@@ -226,5 +226,6 @@ fn metrics(fit: &rrf_train::CellMetrics, noise: Option<f64>, round: u32) -> Cell
         damping: fit.mu,
         weights: fit.weights as u32,
         seed: fit.seed,
+        seams: None,
     }
 }

@@ -28,6 +28,7 @@ mod plan;
 mod remedy;
 mod rounds;
 mod run;
+mod seams;
 mod seconds;
 mod split;
 mod task;

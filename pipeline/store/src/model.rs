@@ -12,7 +12,7 @@ mod tree;
 mod weights;
 
 pub use fit::{Fit, fit_task, read_fit, write_fit};
-pub use metrics::{CellMetrics, SquareError};
+pub use metrics::{CellMetrics, Seams, Spread, SquareError};
 pub use steps::{FitStep, read_steps, write_steps};
 pub use tree::{Domain, ModelTree};
 
@@ -30,7 +30,7 @@ use arrow::array::RecordBatch;
 use rrf_field::model::CellModel;
 use std::path::{Path, PathBuf};
 
-const REMEDY: &str = "Delete the folder `model` of the run and train again";
+const REMEDY: &str = "Delete the folder that it lies in and go on by `rrf bake --resume`";
 
 /// A tree and the net of each of its leaves, by ascending cell id.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use crate::html;
 use rrf_bake::Run;
 use rrf_scene::Scene;
-use rrf_store::model::CellMetrics;
+use rrf_store::model::{CellMetrics, Seams, Spread};
 use serde_json::Value;
 
 /// Where the run came from and every setting.
@@ -53,10 +53,14 @@ pub(super) fn cells(metrics: &[CellMetrics]) -> String {
     let mut sorted: Vec<&CellMetrics> = metrics.iter().collect();
     let key = |cell: &CellMetrics| error(cell).map_or(f64::INFINITY, |e| e.0);
     sorted.sort_by(|a, b| key(b).total_cmp(&key(a)));
+    let percent = |x: f64| format!("{:.2} %", 100.0 * x);
+    let seam = |cell: &CellMetrics, of: fn(Seams) -> Option<Spread>| {
+        let median = cell.seams.and_then(of).map(|spread| spread.median);
+        median.map_or("–".into(), percent)
+    };
     let rows: Vec<Vec<String>> = sorted
         .into_iter()
         .map(|cell| {
-            let percent = |x: f64| format!("{:.2} %", 100.0 * x);
             let shown = |e: Option<(f64, f64)>| {
                 e.map_or("–".into(), |(e, se)| {
                     format!("{:.2} ± {:.2} %", 100.0 * e, 100.0 * se)
@@ -69,6 +73,8 @@ pub(super) fn cells(metrics: &[CellMetrics]) -> String {
                 shown(error(cell)),
                 shown(cell.train.map(|e| e.relative())),
                 cell.noise.map_or("–".into(), percent),
+                seam(cell, |seams| seams.jump),
+                seam(cell, |seams| seams.change),
                 cell.weights.to_string(),
                 cell.effective_parameters
                     .map_or("–".into(), |p| format!("{p:.0}")),
@@ -85,6 +91,8 @@ pub(super) fn cells(metrics: &[CellMetrics]) -> String {
         "held out",
         "train",
         "noise of a row",
+        "jump",
+        "change",
         "weights",
         "effective",
         "iterations",
@@ -93,7 +101,8 @@ pub(super) fn cells(metrics: &[CellMetrics]) -> String {
     format!(
         "<h2>Error by cell</h2>\n<p class=\"note\">Relative error sqrt(mean((p − m)² / max(lum, ε)²)), \
          ε 5 % of the mean luminance, Monte Carlo noise taken out, ± its standard error. Worst \
-         first.</p>\n{}{}",
+         first. Jump: where the net meets its neighbours', the median relative difference; \
+         change: that of the net itself over a tenth of its cell.</p>\n{}{}",
         html::table(&heads, first),
         match rest.len() {
             0 => String::new(),

@@ -18,7 +18,7 @@ struct Question {
     query: &'static str,
 }
 
-const QUESTIONS: [Question; 6] = [
+const QUESTIONS: [Question; 7] = [
     Question {
         column: "y0_r",
         title: "cells",
@@ -52,6 +52,16 @@ const QUESTIONS: [Question; 6] = [
         title: "why fits stopped",
         query: "SELECT stop_reason, COUNT(*) AS cells FROM self GROUP BY stop_reason \
                 ORDER BY cells DESC, stop_reason",
+    },
+    Question {
+        column: "seam_jump",
+        title: "where cells meet, relative: jumps between nets, change of a net over a tenth of its cell \
+                (root mean squares; medians of the cells' medians)",
+        query: "SELECT SUM(seam_rows) AS rows, \
+                SQRT(SUM(seam_jump * seam_jump * seam_rows) / NULLIF(SUM(seam_rows), 0)) AS jump, \
+                MEDIAN(seam_jump_median) AS jump_median, \
+                SQRT(SUM(seam_change * seam_change * seam_rows) / NULLIF(SUM(seam_rows), 0)) AS change, \
+                MEDIAN(seam_change_median) AS change_median FROM self",
     },
     Question {
         column: "frame_error",

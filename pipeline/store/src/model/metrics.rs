@@ -33,6 +33,26 @@ impl SquareError {
     }
 }
 
+/// A root mean square and a median of the same rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Root mean square.
+    pub rms: f64,
+    /// Median.
+    pub median: f64,
+}
+
+/// How a cell's net and its neighbours' differ where they meet, as in `schemas/metrics.toml`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seams {
+    /// Rows looked at that are near a face that has a neighbour.
+    pub rows: u32,
+    /// Relative difference of the two nets; `None` without such rows.
+    pub jump: Option<Spread>,
+    /// What the own net changes by within a tenth of the cell; `None` without such rows.
+    pub change: Option<Spread>,
+}
+
 /// How the fit of one cell went, as in `schemas/metrics.toml`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellMetrics {
@@ -68,6 +88,8 @@ pub struct CellMetrics {
     pub weights: u32,
     /// Seed of the run.
     pub seed: u64,
+    /// Where its net meets others; `None` in a single fit, which knows no neighbours.
+    pub seams: Option<Seams>,
 }
 
 const ERRORS: [[&str; 4]; 2] = [
@@ -84,6 +106,9 @@ const ERRORS: [[&str; 4]; 2] = [
         "relative_square_error_validation_se",
     ],
 ];
+
+const JUMP: [&str; 2] = ["seam_jump", "seam_jump_median"];
+const CHANGE: [&str; 2] = ["seam_change", "seam_change_median"];
 
 pub(super) fn to_batch(cells: &[CellMetrics]) -> Result<RecordBatch, StoreError> {
     let mut cells: Vec<&CellMetrics> = cells.iter().collect();
@@ -122,6 +147,13 @@ pub(super) fn to_batch(cells: &[CellMetrics]) -> Result<RecordBatch, StoreError>
         arrays.insert(error_se, options(cells, |c| get(c).map(|e| e.relative().1)));
         arrays.insert(square, options(cells, |c| get(c).map(|e| e.mean)));
         arrays.insert(square_se, options(cells, |c| get(c).map(|e| e.se)));
+    }
+    let rows: PrimitiveArray<UInt32Type> = cells.iter().map(|c| Some(c.seams?.rows)).collect();
+    arrays.insert("seam_rows", Arc::new(rows));
+    let which: [fn(&CellMetrics) -> Option<Spread>; 2] = [|c| c.seams?.jump, |c| c.seams?.change];
+    for ([rms, median], get) in [JUMP, CHANGE].into_iter().zip(which) {
+        arrays.insert(rms, options(cells, |c| Some(get(c)?.rms)));
+        arrays.insert(median, options(cells, |c| Some(get(c)?.median)));
     }
     schema::table(Table::Metrics)?.batch(arrays)
 }
@@ -168,12 +200,13 @@ impl Rows<'_> {
             stop_reason: self.text("stop_reason", row)?,
             train: self.square(ERRORS[0], row)?,
             validation: self.square(ERRORS[1], row)?,
-            noise: self.option("noise", row)?,
-            effective_parameters: self.option("effective_parameters", row)?,
+            noise: self.option::<Float64Type>("noise", row)?,
+            effective_parameters: self.option::<Float64Type>("effective_parameters", row)?,
             alpha: f64("alpha")?,
             damping: f64("damping")?,
             weights: u32("weights")?,
             seed: u64("seed")?,
+            seams: self.seams(row)?,
         })
     }
 
@@ -182,20 +215,44 @@ impl Rows<'_> {
         name: &str,
         row: usize,
     ) -> Result<T::Native, StoreError> {
-        let array = self.source.nullable::<T>(self.batch, name)?;
-        let value = (!array.is_null(row)).then(|| array.value(row));
+        let value = self.option::<T>(name, row)?;
         value.ok_or_else(|| self.source.null(name, row))
     }
 
-    fn option(&self, name: &str, row: usize) -> Result<Option<f64>, StoreError> {
-        let array = self.source.nullable::<Float64Type>(self.batch, name)?;
+    fn option<T: ArrowPrimitiveType>(
+        &self,
+        name: &str,
+        row: usize,
+    ) -> Result<Option<T::Native>, StoreError> {
+        let array = self.source.nullable::<T>(self.batch, name)?;
         Ok((!array.is_null(row)).then(|| array.value(row)))
+    }
+
+    /// Two columns of which a row has both or none.
+    fn both(&self, [a, b]: [&str; 2], row: usize) -> Result<Option<(f64, f64)>, StoreError> {
+        let a = self.option::<Float64Type>(a, row)?;
+        Ok(a.zip(self.option::<Float64Type>(b, row)?))
     }
 
     fn square(&self, names: [&str; 4], row: usize) -> Result<Option<SquareError>, StoreError> {
         let [_, _, mean, se] = names;
-        let both = self.option(mean, row)?.zip(self.option(se, row)?);
+        let both = self.both([mean, se], row)?;
         Ok(both.map(|(mean, se)| SquareError { mean, se }))
+    }
+
+    fn seams(&self, row: usize) -> Result<Option<Seams>, StoreError> {
+        let spread = |names| -> Result<Option<Spread>, StoreError> {
+            let both = self.both(names, row)?;
+            Ok(both.map(|(rms, median)| Spread { rms, median }))
+        };
+        let Some(rows) = self.option::<UInt32Type>("seam_rows", row)? else {
+            return Ok(None);
+        };
+        Ok(Some(Seams {
+            rows,
+            jump: spread(JUMP)?,
+            change: spread(CHANGE)?,
+        }))
     }
 
     fn text(&self, name: &str, row: usize) -> Result<String, StoreError> {

@@ -5,7 +5,7 @@ use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
-use rrf_store::model::{CellMetrics, Domain, FitStep, ModelTree, SquareError};
+use rrf_store::model::{CellMetrics, Domain, FitStep, ModelTree, Seams, Spread, SquareError};
 use rrf_store::samples::SampleTable;
 
 /// A number in [0, 1) from a counter (splitmix64).
@@ -140,6 +140,24 @@ pub fn metrics(cell_id: u32) -> CellMetrics {
         damping: 1e-3,
         weights: cell_model(cell_id).weights.len() as u32,
         seed: facts().seed,
+        seams: seams(cell_id),
+    }
+}
+
+/// Of a cell with neighbours, of one without, and none.
+fn seams(cell_id: u32) -> Option<Seams> {
+    let spread = |rms| Spread {
+        rms,
+        median: 0.5 * rms,
+    };
+    match cell_id {
+        0 => Some(Seams {
+            rows: 120,
+            jump: Some(spread(0.0625)),
+            change: Some(spread(0.125)),
+        }),
+        1 => Some(Seams::default()),
+        _ => None,
     }
 }
 

@@ -8,7 +8,7 @@ const PINNED: [(Table, u32, &str); 10] = [
     (Table::Samples, 1, "1ef54b601e453216"),
     (Table::Tree, 1, "f207d34842db00d3"),
     (Table::Weights, 3, "61af74b0712c890f"),
-    (Table::Metrics, 1, "dc8814f0ffc144ec"),
+    (Table::Metrics, 2, "468cb68439e4aa5a"),
     (Table::Points, 1, "4cd9cd184fdab6a7"),
     (Table::Truth, 1, "57d96e5160c35bbc"),
     (Table::Answers, 1, "9d8867ae3a9e58f3"),
