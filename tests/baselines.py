@@ -11,7 +11,7 @@ Trained on the rows that the nets were trained on, judged by the same held-out r
   6 x 6 x 6 places, each for 4 x 4 x 4 places of the light, trilinear in both; coefficients by least squares on at
   most 150,000 rows, the best of three ridges.
 
-Needs numpy, pyarrow and scipy (`sh tests/peers/setup.sh`). Linear outputs, one global net and linear regression as whole bakes are
+Needs numpy, pyarrow and scipy (`sh tests/peers/setup.sh`). All of them but the mean as whole bakes are
 `rrf bake --method`.
 """
 

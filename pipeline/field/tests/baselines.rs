@@ -1,6 +1,8 @@
 //! Cells of all kinds in one field: each row gets its own cell's answer, under its own light and under
 //! many; damaged ones are refused.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{Numbers, model, rows, tree};

@@ -16,6 +16,7 @@ const ROUNDING: f64 = 1e-6;
 fn linear(cell: u32, bias: [f32; 3], column: usize, slope: f32) -> CellModel {
     CellModel {
         cell,
+        kind: rrf_field::model::Kind::Net,
         inputs: vec![column as u8],
         input_offset: vec![0.0],
         input_scale: vec![1.0],
