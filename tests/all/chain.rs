@@ -25,6 +25,25 @@ fn scene_to_frame() {
     assert!(error < 0.15, "relative error {error:.4} ± {error_se:.4}");
     assert!(answers.has("cell_id") && answers.has("trusted"));
 
+    // a preview's cells err by some percent each: good enough at first, not all of them for a limit of five
+    let trusted = |limit: &str| {
+        let more = place.name("more.parquet");
+        done(&[
+            "query",
+            &run,
+            "--points",
+            &input,
+            "-o",
+            &more,
+            "--trust-error",
+            limit,
+        ]);
+        let rows = Table::read(&more).numbers("trusted");
+        rows.iter().sum::<f64>() / rows.len() as f64
+    };
+    assert!(trusted("0.5") > 0.9);
+    assert!(trusted("0.05") < 0.9);
+
     frames(&place, &scene, &run);
 }
 
@@ -50,6 +69,19 @@ fn frames(place: &Place, scene: &str, run: &str) {
         &["render", run],
         &[&["--light", "-0.3,1.6,0.2,4,4,4"]],
     );
+    // where nets are not good enough paths are
+    let better = frame(
+        "better.exr",
+        &[
+            "render",
+            run,
+            "--fallback",
+            "trace",
+            "--trust-error",
+            "0.001",
+        ],
+        &[&light],
+    );
 
     let picture = place.name("model.png");
     done(&[&["render", run, "-o", &picture], &size[..], &light].concat());
@@ -67,6 +99,7 @@ fn frames(place: &Place, scene: &str, run: &str) {
     assert!(delta_e(&model) < 5.0, "{}", delta_e(&model));
     assert!(delta_e(&direct) > 10.0, "{}", delta_e(&direct));
     assert!(delta_e(&moved) > 10.0, "{}", delta_e(&moved));
+    assert!(delta_e(&better) < delta_e(&model), "{}", delta_e(&better));
     assert_eq!(delta_e(&traced), 0.0);
 }
 

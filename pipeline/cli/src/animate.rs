@@ -24,7 +24,7 @@ pub fn run(args: &RenderArgs, camera: &Path) -> anyhow::Result<()> {
         return Err(BadInput("--path writes one folder: give -o once".into()).into());
     };
     let shots = path::read(camera, args.view.camera.size.unwrap_or(SIZE))?;
-    let baked = Baked::open(&args.run)?;
+    let baked = Baked::open(&args.run, args.trust.trust_error)?;
     let lights = lights(args, &baked, &shots)?;
     let first = lights.first().cloned().unwrap_or_default();
     let tracer = Tracer::new(baked.shown(&first))?;

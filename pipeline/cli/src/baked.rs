@@ -2,6 +2,7 @@
 
 use crate::failure::BadInput;
 use crate::place::Place;
+use crate::trust::distrust;
 use glam::Vec3;
 use rrf_bake::Run;
 use rrf_extract::Lookout;
@@ -30,11 +31,14 @@ pub struct Baked {
 
 impl Baked {
     /// Reads the run, its scene and its model.
-    pub fn open(folder: &Path) -> anyhow::Result<Baked> {
+    /// Cells of a larger error than `trust_error` are not trusted.
+    pub fn open(folder: &Path, trust_error: f32) -> anyhow::Result<Baked> {
         let place = Place::model(folder)?;
         let run = Run::open(place.folder())?;
         let scene = run.load_scene()?;
-        let model = model::read_model(&run.folder, &run.facts())?;
+        let mut model = model::read_model(&run.folder, &run.facts())?;
+        let metrics = model::read_metrics(&run.folder, &run.facts())?;
+        distrust(&mut model.tree, &metrics, f64::from(trust_error));
         let field = Field::new(model.tree.tree.clone(), model.cells)?;
         Ok(Baked {
             unlit: scene.clone().unlit(),
@@ -91,7 +95,7 @@ impl Baked {
         lights.area && !self.scene.area_lights.is_empty()
     }
 
-    /// Whether the nets were trained for each of the rows.
+    /// Whether the nets were trained for each of the rows, and well enough.
     pub fn trusted(&self, rows: &Columns) -> Vec<bool> {
         self.tree.trusted(rows)
     }

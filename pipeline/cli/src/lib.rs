@@ -24,6 +24,7 @@ mod scene;
 mod stats;
 mod tasks;
 mod trace;
+mod trust;
 mod view;
 
 use args::{Cli, Command};

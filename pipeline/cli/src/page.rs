@@ -15,7 +15,7 @@ use signal_hook::iterator::Signals;
 
 /// Serves the page until a signal ends it.
 pub fn run(args: &PageArgs) -> anyhow::Result<()> {
-    let baked = Baked::open(&args.run)?;
+    let baked = Baked::open(&args.run, args.trust.trust_error)?;
     let tracer = Tracer::new(&baked.unlit)?;
     let mut start = view::view(&args.view.camera, &baked.scene)?;
     if args.view.camera.size.is_none() {

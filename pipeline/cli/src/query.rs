@@ -3,6 +3,7 @@
 use crate::args::QueryArgs;
 use crate::place::Place;
 use crate::points;
+use crate::trust::distrust;
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
 use rrf_bake::Run;
 use rrf_extract::{Lookout, Outlook};
@@ -23,7 +24,9 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     let run = Run::open(place.folder())?;
     let scene = run.load_scene()?.unlit();
     let tracer = Tracer::new(&scene)?;
-    let model = model::read_model(&run.folder, &run.facts())?;
+    let mut model = model::read_model(&run.folder, &run.facts())?;
+    let metrics = model::read_metrics(&run.folder, &run.facts())?;
+    distrust(&mut model.tree, &metrics, f64::from(args.trust.trust_error));
     let table = read_points(&args.points, Limits::default())?;
     let located = points::locate(&tracer, &table, &args.points)?;
     let rows = points::rows(&tracer, &table, &located);
@@ -45,8 +48,10 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     let facts = points::facts(&run.manifest.scene_hash, run.manifest.seed);
     write_points(&args.output, &table.batch, Table::Answers, added, &facts)?;
     println!(
-        "{} rows, {untrusted} of them outside what the model was trained on",
-        rows.len()
+        "{} rows, {untrusted} of them not trusted: outside what the model was trained on, or in a cell with an \
+         error above {:.1} %",
+        rows.len(),
+        100.0 * args.trust.trust_error
     );
     Ok(())
 }

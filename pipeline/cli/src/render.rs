@@ -14,7 +14,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         return animate::run(args, path);
     }
     pictures::check_endings(&args.output)?;
-    let baked = Baked::open(&args.run)?;
+    let baked = Baked::open(&args.run, args.trust.trust_error)?;
     let frame_view = view::view(&args.view.camera, &baked.scene)?;
     let lights = view::lights(&args.view.camera, &baked.scene)?;
     let tracer = Tracer::new(baked.shown(&lights))?;
@@ -46,7 +46,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.fallback == Fallback::Trace {
         let (spp, aa, seed) = (args.fallback_spp, args.view.aa, baked.run.manifest.seed);
         let traced = trace_untrusted(&tracer, &frame_view, &lights, &mut frame, spp, aa, seed)?;
-        println!("{traced} pixels path-traced: the nets were not trained for them");
+        println!(
+            "{traced} pixels path-traced: the nets were not trained for them, or not well enough"
+        );
     }
     if args.show_trust {
         show_trust(&mut frame);

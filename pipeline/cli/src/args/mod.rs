@@ -102,6 +102,9 @@ pub struct QueryArgs {
     /// Table to write.
     #[arg(short, long, value_name = "OUT.parquet")]
     pub output: PathBuf,
+    /// Which cells are believed.
+    #[command(flatten)]
+    pub trust: TrustArgs,
 }
 /// `rrf export`.
 #[derive(Args, Clone, Debug)]

@@ -62,7 +62,16 @@ pub enum Part {
     Indirect,
 }
 
-/// What becomes of pixels that the nets were not trained for.
+/// Which cells are believed.
+#[derive(Args, Clone, Debug)]
+pub struct TrustArgs {
+    /// Cells whose relative error on rows held out is above this, by more than two standard errors, are not trusted: 0.1 with
+    /// --fallback trace leaves to the nets what they know within 10 %.
+    #[arg(long, value_name = "ERROR", default_value_t = 0.5, value_parser = positive)]
+    pub trust_error: f32,
+}
+
+/// What becomes of pixels that are not trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Fallback {
     /// The nets are believed.
@@ -105,13 +114,16 @@ pub struct RenderArgs {
     /// Seed of the shadow rays.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// What becomes of pixels that the nets were not trained for.
+    /// Which cells are believed.
+    #[command(flatten)]
+    pub trust: TrustArgs,
+    /// What becomes of pixels that are not trusted.
     #[arg(long, value_enum, default_value_t = Fallback::None, conflicts_with_all = ["json_stats", "path"])]
     pub fallback: Fallback,
     /// Paths a pixel and light of --fallback trace.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..))]
     pub fallback_spp: u32,
-    /// Paint pixels that the nets were not trained for red, by the share of their samples.
+    /// Paint pixels that are not trusted red, by the share of their samples.
     #[arg(long, conflicts_with_all = ["json_stats", "path"])]
     pub show_trust: bool,
     /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output). Frames are
@@ -152,6 +164,9 @@ pub struct PageArgs {
     /// Open the page in the desktop's browser; otherwise its URL is printed, and that is all.
     #[arg(long)]
     pub open: bool,
+    /// Which cells are believed.
+    #[command(flatten)]
+    pub trust: TrustArgs,
     /// Where the page starts.
     #[command(flatten)]
     pub view: ViewArgs,
