@@ -55,9 +55,9 @@ fn what_only_nets_can_do_is_refused() {
         let with = |more: &[&'static str]| [&bake[..], more].concat();
         refused(
             &with(&["--rounds", "2"]),
-            &["--rounds 2", "baselines have one"],
+            &["--rounds 2", "this method has one"],
         );
-        refused(&with(&["--hidden", "8,4"]), &["--hidden", "nets"]);
+        refused(&with(&["--hidden", "8,4"]), &["--hidden", "no net"]);
         assert!(place.holds(&[]));
         let made = place.name("made");
         let extract = ["extract", &scene, "-o", &made, "--method", method];

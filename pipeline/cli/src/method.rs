@@ -14,23 +14,27 @@ const GLOBAL_NET: [usize; 2] = [32, 16];
 /// # Errors
 /// For options that the method cannot follow.
 pub fn set(config: &mut BakeConfig, args: &BakeSettings, scene: &Scene) -> Result<(), BadInput> {
-    let train = &mut config.train;
     if let Some(Hidden(units)) = &args.hidden {
-        train.size = Size::Hidden(units.clone());
+        config.train.size = Size::Hidden(units.clone());
     }
     match args.method {
         Method::Nets => return Ok(()),
         Method::LinearOutputs => {
-            train.exponential = false;
+            config.train.exponential = false;
             return Ok(());
         }
         Method::LinearRegression => {
-            train.exponential = false;
-            train.size = Size::Hidden(Vec::new());
+            one_round(args)?;
+            no_hidden(args)?;
+            config.train.exponential = false;
+            config.train.size = Size::Hidden(Vec::new());
         }
         Method::GlobalNet => {
+            one_round(args)?;
             (config.extract.cells, config.most_cells) = (1, 1);
-            train.size = Size::Hidden(GLOBAL_NET.to_vec());
+            if args.hidden.is_none() {
+                config.train.size = Size::Hidden(GLOBAL_NET.to_vec());
+            }
         }
         Method::QuadraticRegression => baseline(config, args, Kind::Quadratic)?,
         Method::Probes => {
@@ -71,20 +75,29 @@ fn lambertian(scene: &Scene) -> Result<(), BadInput> {
 }
 
 fn baseline(config: &mut BakeConfig, args: &BakeSettings, kind: Kind) -> Result<(), BadInput> {
-    if args.hidden.is_some() {
-        let kind = kind.name();
-        return Err(BadInput(format!(
-            "--hidden is of nets; --method asks for {kind} models"
-        )));
-    }
-    if let Some(rounds) = args.rounds.filter(|&rounds| rounds > 1) {
-        return Err(BadInput(format!(
-            "--rounds {rounds}: rounds after the first split cells and grow nets; baselines have one"
-        )));
-    }
+    one_round(args)?;
+    no_hidden(args)?;
     config.train.kind = kind;
     config.train.exponential = false;
     config.train.size = Size::Hidden(Vec::new());
     config.trim = false;
     Ok(())
+}
+
+fn no_hidden(args: &BakeSettings) -> Result<(), BadInput> {
+    match args.hidden {
+        Some(_) => Err(BadInput(
+            "--hidden: this method has no net with hidden units".into(),
+        )),
+        None => Ok(()),
+    }
+}
+
+fn one_round(args: &BakeSettings) -> Result<(), BadInput> {
+    match args.rounds.filter(|&rounds| rounds > 1) {
+        Some(rounds) => Err(BadInput(format!(
+            "--rounds {rounds}: rounds after the first split cells and grow nets; this method has one"
+        ))),
+        None => Ok(()),
+    }
 }
