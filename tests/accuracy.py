@@ -94,13 +94,13 @@ def references(rrf, scene, light_box, eyes, targets, folder, spp):
                 run([rrf, "trace", scene, "-o", file, "--spp", paths, "--seed", seed, *view])
 
 
-def frames(rrf, baked, light_box, eyes, targets, folder, spp):
+def frames(rrf, baked, light_box, eyes, targets, folder, spp, options):
     """Colour differences of the model and of the second tracing, frame by frame."""
     found = []
     for k, view in enumerate(views(light_box, eyes, targets)):
         model = folder / f"{k}-model.exr"
         one, two = (folder / f"{k}-{name}-{spp}.exr" for name in ("one", "two"))
-        run([rrf, "render", baked, "-o", model, *view])
+        run([rrf, "render", baked, "-o", model, *view, *options])
         (error, ev), (noise, _) = measures(rrf, model, one), measures(rrf, two, one)
         found.append((error, noise, ev))
     return found
@@ -143,7 +143,7 @@ def judge(name, args):
         print(f"  other renderer  {done.stdout.strip()}")
     if args.spp == 0:
         return
-    found = frames(args.rrf, baked, corners, eyes, targets, folder, args.spp)
+    found = frames(args.rrf, baked, corners, eyes, targets, folder, args.spp, args.render.split())
     for measure in [m for m in found[0][0] if m.startswith("delta_e")]:
         errors, noises = ([f[i][measure] for f in found] for i in (0, 1))
         rms = (sum(e * e for e in errors) / FRAMES) ** 0.5
@@ -159,6 +159,7 @@ def main():
     parser.add_argument("--rrf", default=HERE.parent / "target" / "release" / "rrf")
     parser.add_argument("--work", type=Path, default=HERE.parent / "target" / "accuracy")
     parser.add_argument("--spp", type=int, default=2048, help="paths a pixel of references; 0: none")
+    parser.add_argument("--render", default="", help="further options of rrf render, one text")
     parser.add_argument("--references", action="store_true", help="trace the references, no more")
     args = parser.parse_args()
     for name in args.scenes:

@@ -44,6 +44,16 @@ fn scene_to_frame() {
     assert!(trusted("0.5") > 0.9);
     assert!(trusted("0.05") < 0.9);
 
+    // neighbours that agree are blended near their borders, a few rows by a few percent
+    let more = place.name("blended.parquet");
+    done(&["query", &run, "--points", &input, "-o", &more, "--blend"]);
+    let blended = Table::read(&more).rgb("");
+    let own = answers.rgb("");
+    let changed = own.iter().zip(&blended).filter(|(a, b)| a != b).count();
+    assert!(changed > 0 && changed < own.len() / 2, "{changed}");
+    let (error, error_se) = Oracle::read(&input).relative_error(&blended);
+    assert!(error < 0.15, "relative error {error:.4} ± {error_se:.4}");
+
     frames(&place, &scene, &run);
 }
 
@@ -69,6 +79,8 @@ fn frames(place: &Place, scene: &str, run: &str) {
         &["render", run],
         &[&["--light", "-0.3,1.6,0.2,4,4,4"]],
     );
+    let blended = frame("blended.exr", &["render", run, "--blend"], &[&light]);
+
     // where nets are not good enough paths are
     let better = frame(
         "better.exr",
@@ -99,6 +111,8 @@ fn frames(place: &Place, scene: &str, run: &str) {
     assert!(delta_e(&model) < 5.0, "{}", delta_e(&model));
     assert!(delta_e(&direct) > 10.0, "{}", delta_e(&direct));
     assert!(delta_e(&moved) > 10.0, "{}", delta_e(&moved));
+    assert!(delta_e(&blended) < 5.0, "{}", delta_e(&blended));
+    assert_ne!(delta_e(&blended), delta_e(&model));
     assert!(delta_e(&better) < delta_e(&model), "{}", delta_e(&better));
     assert_eq!(delta_e(&traced), 0.0);
 }

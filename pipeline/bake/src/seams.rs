@@ -18,6 +18,8 @@ use rrf_store::parts;
 /// Rows of a cell that are looked at, at the most: a commit reads no more parts than hold them. The
 /// newest are the largest, as they were drawn for the cell as it is and not for its ancestors.
 const ROWS: usize = 400;
+/// Rows of a part in memory at a time.
+const STRETCH: usize = 4096;
 /// How near to a face counts, and how far inwards the own net is asked, in sizes of the cell.
 const NEAR: f64 = 0.1;
 /// Columns whose faces count: p, v and l.
@@ -63,14 +65,16 @@ fn some_rows(run: &Run, cell: &CellPlan) -> Result<Columns, BakeError> {
         if rows.len() >= ROWS {
             break;
         }
-        let table = parts::read_part(&run.folder, cell.cell, part.part, &facts)?;
-        let held_out = table.index.iter().map(|&i| is_held_out(facts.seed, i));
-        for (row, _) in held_out.enumerate().filter(|&(_, held_out)| held_out) {
-            let row = table.columns.row(row);
-            if rows.len() < ROWS && row.iter().all(|x| x.is_finite()) {
-                rows.push(row);
+        let place = [cell.cell, part.part];
+        parts::each_stretch(&run.folder, place, &facts, STRETCH, &mut |table| {
+            let held_out = table.index.iter().map(|&i| is_held_out(facts.seed, i));
+            for (row, _) in held_out.enumerate().filter(|&(_, held_out)| held_out) {
+                let row = table.columns.row(row);
+                if rows.len() < ROWS && row.iter().all(|x| x.is_finite()) {
+                    rows.push(row);
+                }
             }
-        }
+        })?;
     }
     Ok(rows)
 }

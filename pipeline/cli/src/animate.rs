@@ -44,6 +44,7 @@ pub fn run(args: &RenderArgs, camera: &Path) -> anyhow::Result<()> {
         aa: args.view.aa,
         lamps: lamps.as_ref(),
         shadow_rays: shadow_rays(args),
+        borders: args.blend.then_some(&baked.borders),
         ..RenderOptions::default()
     };
     let renderer = Renderer::new(&tracer, &baked.field);

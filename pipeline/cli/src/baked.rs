@@ -2,12 +2,12 @@
 
 use crate::failure::BadInput;
 use crate::place::Place;
-use crate::trust::distrust;
+use crate::trust::{distrust, spans};
 use glam::Vec3;
 use rrf_bake::Run;
 use rrf_extract::Lookout;
-use rrf_field::Field;
 use rrf_field::columns::Columns;
+use rrf_field::{Borders, Field};
 use rrf_render::{Lamps, Lights, Notice, View, notices, on_surface};
 use rrf_scene::Scene;
 use rrf_store::model::{self, ModelTree};
@@ -24,6 +24,8 @@ pub struct Baked {
     pub scene: Scene,
     /// The nets.
     pub field: Field,
+    /// Where its cells meet.
+    pub borders: Borders,
     tree: ModelTree,
     /// Where the run's files are for as long as it is open.
     _place: Place,
@@ -38,12 +40,14 @@ impl Baked {
         let scene = run.load_scene()?;
         let mut model = model::read_model(&run.folder, &run.facts())?;
         let metrics = model::read_metrics(&run.folder, &run.facts())?;
+        let spans = spans(&model.tree);
         distrust(&mut model.tree, &metrics, f64::from(trust_error));
         let field = Field::new(model.tree.tree.clone(), model.cells)?;
         Ok(Baked {
             unlit: scene.clone().unlit(),
             scene,
             run,
+            borders: Borders::new(&field, spans),
             field,
             tree: model.tree,
             _place: place,

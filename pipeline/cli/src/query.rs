@@ -3,11 +3,11 @@
 use crate::args::QueryArgs;
 use crate::place::Place;
 use crate::points;
-use crate::trust::distrust;
+use crate::trust::{distrust, spans};
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
 use rrf_bake::Run;
 use rrf_extract::{Lookout, Outlook};
-use rrf_field::{Field, columns};
+use rrf_field::{Borders, Field, columns};
 use rrf_scene::Scene;
 use rrf_store::guard::Limits;
 use rrf_store::model;
@@ -26,6 +26,7 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     let tracer = Tracer::new(&scene)?;
     let mut model = model::read_model(&run.folder, &run.facts())?;
     let metrics = model::read_metrics(&run.folder, &run.facts())?;
+    let spans = spans(&model.tree);
     distrust(&mut model.tree, &metrics, f64::from(args.trust.trust_error));
     let table = read_points(&args.points, Limits::default())?;
     let located = points::locate(&tracer, &table, &args.points)?;
@@ -34,7 +35,11 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     let field = Field::new(model.tree.tree, model.cells)?;
     let mut radiance: [Vec<f32>; 3] = Default::default();
     let mut cells = Vec::new();
-    field.evaluate(&rows, &mut radiance, &mut cells)?;
+    if args.blend {
+        Borders::new(&field, spans).evaluate(&field, &rows, &mut radiance, &mut cells)?;
+    } else {
+        field.evaluate(&rows, &mut radiance, &mut cells)?;
+    }
     darken_sealed(&scene, &tracer, &located, &table, &mut radiance);
     let [r, g, b] = radiance.map(|channel| Arc::new(Float32Array::from(channel)) as ArrayRef);
     let untrusted = trusted.iter().filter(|&&t| !t).count();

@@ -30,6 +30,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         shadow_rays: shadow_rays(args),
         // A second look at every row: not where time is measured.
         trusted: args.json_stats.is_none().then_some(&trusted),
+        borders: args.blend.then_some(&baked.borders),
         ..RenderOptions::default()
     };
     let renderer = Renderer::new(&tracer, &baked.field);

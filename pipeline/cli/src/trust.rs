@@ -1,5 +1,6 @@
 //! Which answers of a model are to be believed.
 
+use rrf_field::Span;
 use rrf_store::model::{CellMetrics, ModelTree};
 use std::collections::BTreeSet;
 
@@ -21,6 +22,17 @@ pub fn distrust(tree: &mut ModelTree, metrics: &[CellMetrics], most: f64) {
             tree.domains[node] = None;
         }
     }
+}
+
+/// What the rows of each cell span, by cell.
+pub fn spans(tree: &ModelTree) -> Vec<Option<Span>> {
+    let mut spans = vec![None; tree.tree.cells()];
+    for (node, cell) in tree.leaves() {
+        if let (Some(span), Some(domain)) = (spans.get_mut(cell as usize), tree.domains.get(node)) {
+            *span = domain.map(|d| [d.min, d.max]);
+        }
+    }
+    spans
 }
 
 #[cfg(test)]

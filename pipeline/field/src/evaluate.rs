@@ -118,6 +118,28 @@ impl Field {
         Ok(())
     }
 
+    /// The same by the cells given, whichever the rows lie in.
+    pub(crate) fn evaluate_as(
+        &self,
+        rows: &Columns,
+        cells: &[u32],
+        out: &mut [Vec<f32>; 3],
+    ) -> Result<(), FieldError> {
+        self.prepare(rows, out, &mut Vec::new())?;
+        let mut scratch = Scratch::default();
+        scratch.widen(self.width);
+        let mut order: Vec<u32> = (0..rows.len() as u32).collect();
+        order.sort_by_key(|&row| cells[row as usize]);
+        for ids in order.chunk_by(|&a, &b| cells[a as usize] == cells[b as usize]) {
+            let cell = ids.first().map_or(0, |&row| cells[row as usize]);
+            match &self.ready[cell as usize] {
+                Ready::Net(packed) => evaluate_cell(packed, rows, ids, &mut scratch, out),
+                Ready::Baseline(baseline) => baseline.add(rows, ids, None, out),
+            }
+        }
+        Ok(())
+    }
+
     /// Checks the rows and makes `out` and `cells` as long, zeros and no cell.
     pub(crate) fn prepare(
         &self,

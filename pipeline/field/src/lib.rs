@@ -8,6 +8,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod baseline;
+mod borders;
 mod check;
 pub mod columns;
 mod derived;
@@ -27,6 +28,7 @@ pub mod tree;
 mod walk;
 
 pub use baseline::{probes, quadratic};
+pub use borders::{Borders, Span};
 pub use error::FieldError;
 pub use evaluate::Field;
 pub use exp::{EXP_ERROR, MAX_EXPONENT};

@@ -104,6 +104,11 @@ impl Field {
 }
 
 impl Lit<'_> {
+    /// The field.
+    pub fn field(&self) -> &Field {
+        self.field
+    }
+
     /// The lights.
     pub fn lights(&self) -> &[Light] {
         &self.lights

@@ -1,5 +1,6 @@
 //! A frame: what the camera sees, its direct light, its indirect light by the nets.
 
+use crate::blend::blended;
 use crate::direct::Direct;
 use crate::emitter::Emitter;
 use crate::error::RenderError;
@@ -14,7 +15,7 @@ use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
-use rrf_field::{Field, Light, Lit, Workspace};
+use rrf_field::{Borders, Field, Light, Lit, Workspace};
 use rrf_scene::{MaterialKind, PointLight};
 use rrf_trace::Tracer;
 use rrf_trace::bsdf::Bsdf;
@@ -62,6 +63,8 @@ pub struct RenderOptions<'a> {
     /// Tells which rows, light included, the nets were trained for; with it the frame has a
     /// trust layer.
     pub trusted: Option<&'a Trusted<'a>>,
+    /// Where cells meet, if their nets are to be blended there. Takes the lights one by one.
+    pub borders: Option<&'a Borders>,
 }
 
 impl RenderOptions<'_> {
@@ -284,9 +287,14 @@ impl Job<'_> {
             stages,
             ..
         } = work;
-        let spent = Some(&mut stages.nets);
-        self.lit
-            .evaluate(&seen.rows, nets, radiance, cells, spent)?;
+        match self.options.borders {
+            Some(borders) => blended(borders, &self.lit, &seen.rows, radiance, cells)?,
+            None => {
+                let spent = Some(&mut stages.nets);
+                self.lit
+                    .evaluate(&seen.rows, nets, radiance, cells, spent)?;
+            }
+        }
         let mut lap = Lap::start();
         let [r, g, b] = &*radiance;
         let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);

@@ -38,7 +38,21 @@ impl PartReader {
         part: u32,
         facts: &RunFacts,
     ) -> Result<PartReader, StoreError> {
-        let batches = parquet_file::open(path, Limits::default(), REMEDY)?;
+        PartReader::by(path, cell, part, facts, Limits::default())
+    }
+
+    /// The same by as many rows a batch, and from no more bytes, as the limits say.
+    ///
+    /// # Errors
+    /// As [`PartReader::open`].
+    pub fn by(
+        path: &Path,
+        cell: u32,
+        part: u32,
+        facts: &RunFacts,
+        limits: Limits,
+    ) -> Result<PartReader, StoreError> {
+        let batches = parquet_file::open(path, limits, REMEDY)?;
         let found = batches.schema();
         schema::table(Table::Samples)?.check(path, &found, REMEDY)?;
         let fact = |key: &str| found.metadata().get(key).cloned().unwrap_or_default();

@@ -6,6 +6,7 @@
 use crate::atomic::{atomic_write_from, create_folder, io_error};
 use crate::content::ContentHash;
 use crate::error::StoreError;
+use crate::guard::Limits;
 use crate::layout;
 use crate::manifest::RunFacts;
 use crate::parquet_file::CREATED_BY;
@@ -196,6 +197,39 @@ pub fn read_part(
     };
     read_part_into(run, cell, part, facts, &mut table)?;
     Ok(table)
+}
+
+/// Hands on a part's rows, `stretch` at a time, so that no more are in memory. Of a part that ends in an
+/// error none is worth anything.
+///
+/// # Errors
+/// As [`read_part`].
+pub fn each_stretch(
+    run: &Path,
+    [cell, part]: [u32; 2],
+    facts: &RunFacts,
+    stretch: usize,
+    see: &mut dyn FnMut(&SampleTable),
+) -> Result<(), StoreError> {
+    let path = layout::part_path(run, cell, part);
+    let source = crate::columns::Source {
+        path: &path,
+        table: "samples",
+        remedy: REMEDY,
+    };
+    let limits = Limits {
+        batch_rows: stretch,
+        ..Limits::default()
+    };
+    for batch in PartReader::by(&path, cell, part, facts, limits)? {
+        let mut table = SampleTable {
+            cell_id: cell,
+            ..SampleTable::default()
+        };
+        table.append(&batch?, source)?;
+        see(&table);
+    }
+    Ok(())
 }
 
 /// What a part was made from: the hash given to [`write_part_of`], empty where none was; `None`

@@ -102,6 +102,10 @@ pub struct QueryArgs {
     /// Table to write.
     #[arg(short, long, value_name = "OUT.parquet")]
     pub output: PathBuf,
+    /// Blend the nets of neighbouring cells within a tenth of a cell where they meet and agree, so that
+    /// their borders do not show.
+    #[arg(long)]
+    pub blend: bool,
     /// Which cells are believed.
     #[command(flatten)]
     pub trust: TrustArgs,

@@ -114,6 +114,10 @@ pub struct RenderArgs {
     /// Seed of the shadow rays.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Blend the nets of neighbouring cells within a tenth of a cell where they meet and agree, so that
+    /// their borders do not show.
+    #[arg(long, conflicts_with = "json_stats")]
+    pub blend: bool,
     /// Which cells are believed.
     #[command(flatten)]
     pub trust: TrustArgs,
