@@ -7,7 +7,7 @@ weighed by its share of it, all relative to max(luminance, ε):
 - jump: root mean square and median of the difference between the two nets, where they meet;
 - change: the same of how much the cell's own net changes from the face to a tenth of the cell inwards;
 - error of the model at the rows near a face and at all rows (free of Monte Carlo noise);
-- the same of rows near a face if the net beyond it were blended in.
+- the same of rows near a face if the net beyond it is blended in, everywhere or where the two agree.
 
 Two nets with independent errors of the size near a face differ by sqrt(2) times that error.
 """
@@ -30,6 +30,8 @@ RAW = [a + b for a in "pnvl" for b in "xyz"]
 RAW += ["base_r", "base_g", "base_b", "roughness", "metallic", "specular"]
 AXES = [RAW.index(a + b) for a in "pvl" for b in "xyz"]
 NEAR = 0.1
+# relative difference of two nets up to which a neighbour counts in full when blended, as in field/src/borders.rs
+AGREED = 0.25
 ROWS = 400
 RGB = "rgb"
 
@@ -185,12 +187,16 @@ def main(run, rows_a_cell=ROWS):
     print(f"error near faces               {error(square[at], weight[at]):.2%}  (all rows {error(square, weight):.2%})")
     # the neighbour's net counts for half at the face and nothing a margin inwards
     other = answers(found.weights, found.beyond, x[at])
+    mean = np.maximum((p[at] + other).mean(1) / 2, found.epsilon)
+    apart = (((p[at] - other) / mean[:, None]) ** 2).mean(1) ** 0.5
+    everywhere, agreed = np.ones(len(at)), np.clip(2 - apart / AGREED, 0, 1)
     for margin in (0.05, 0.1):
-        share = np.maximum(0.5 * (1 - found.away / margin), 0)[:, None]
-        q, rows = (1 - share) * p[at] + share * other, share[:, 0] > 0
-        blended = ((q - y[0, at]) * (q - y[1, at])).mean(1) / divisor[at] ** 2
-        before, after = (error(s[rows], weight[at][rows]) for s in (square[at], blended))
-        print(f"blended within {margin:.0%} of a cell     {before:.2%} -> {after:.2%}")
+        for name, trust in (("", everywhere), (", where they agree", agreed)):
+            share = (np.maximum(0.5 * (1 - found.away / margin), 0) * trust)[:, None]
+            q, rows = (1 - share) * p[at] + share * other, found.away < margin
+            blended = ((q - y[0, at]) * (q - y[1, at])).mean(1) / divisor[at] ** 2
+            before, after = (error(s[rows], weight[at][rows]) for s in (square[at], blended))
+            print(f"blended within {margin:.0%} of a cell{name}: {before:.2%} -> {after:.2%}")
 
 
 if __name__ == "__main__":
