@@ -40,7 +40,7 @@ def judge(args, name, baked):
     rows, folder = drawn(args, name)
     points, answers = folder / "points.parquet", folder / "answers.parquet"
     pq.write_table(rows.select(POINT), points)
-    run([args.rrf, "query", baked, "--points", points, "-o", answers])
+    run([args.rrf, "query", baked, "--points", points, "-o", answers, *args.query.split()])
     model = columns(pq.read_table(answers), "rgb")
     halves = [columns(rows, [f"y{half}_{c}" for c in "rgb"]) for half in (0, 1)]
     luminance = sum(halves).mean(1) / 2
@@ -57,6 +57,7 @@ def main():
     parser.add_argument("--rrf", default=HERE.parent / "target" / "release" / "rrf")
     parser.add_argument("--work", type=Path, default=HERE.parent / "target" / "accuracy")
     parser.add_argument("--run", type=Path, help="a run of the scene in place of DIR/SCENE")
+    parser.add_argument("--query", default="", help="further options of rrf query, one text")
     parser.add_argument("--rows", type=int, default=30_000)
     parser.add_argument("--paths", type=int, default=4096)
     args = parser.parse_args()
