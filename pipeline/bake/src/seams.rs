@@ -9,7 +9,8 @@ use crate::plan::{CellPlan, RoundPlan};
 use crate::run::Run;
 use crate::split::is_held_out;
 use rayon::prelude::*;
-use rrf_field::columns::{self, COUNT, Columns};
+use rrf_field::borders::{self, AXES};
+use rrf_field::columns::{COUNT, Columns};
 use rrf_field::tree;
 use rrf_field::{Field, FieldError};
 use rrf_store::model::{Domain, Seams, Spread};
@@ -22,11 +23,6 @@ const ROWS: usize = 400;
 const STRETCH: usize = 4096;
 /// How near to a face counts, and how far inwards the own net is asked, in sizes of the cell.
 const NEAR: f64 = 0.1;
-/// Columns whose faces count: p, v and l.
-const AXES: [usize; 9] = {
-    let (p, v, l) = (columns::P, columns::V, columns::L);
-    [p, p + 1, p + 2, v, v + 1, v + 2, l, l + 1, l + 2]
-};
 
 type Row = [f32; COUNT];
 
@@ -124,14 +120,8 @@ impl Cells<'_> {
     /// object ends and another begins: there the nets never meet.
     fn has_seen(&self, row: &Row) -> bool {
         let cell = self.field.tree().find(row) as usize;
-        let Some(Some(span)) = self.spans.get(cell) else {
-            return false;
-        };
-        (0..COUNT).all(|c| {
-            let [low, high, x] = [span.min[c], span.max[c], row[c]].map(f64::from);
-            let slack = 0.05 * (high - low) + 1e-4 * (high + low).abs();
-            low - slack <= x && x <= high + slack
-        })
+        let span = self.spans.get(cell).copied().flatten();
+        span.is_some_and(|span| borders::spans(&[span.min, span.max], row))
     }
 }
 

@@ -15,7 +15,7 @@ pub const MARGIN: f32 = 0.1;
 /// Relative difference of two nets up to which the neighbour counts in full.
 pub const AGREED: f32 = 0.25;
 /// Columns whose faces count: p, v and l.
-const AXES: [usize; 9] = {
+pub const AXES: [usize; 9] = {
     let (p, v, l) = (columns::P, columns::V, columns::L);
     [p, p + 1, p + 2, v, v + 1, v + 2, l, l + 1, l + 2]
 };
@@ -116,16 +116,20 @@ impl Borders {
     }
 
     /// Whether a cell was made from such rows: a face may also be where one object ends and another
-    /// begins, and nets never meet.
+    /// begins, and there nets never meet.
     fn has_seen(&self, cell: u32, row: &[f32; COUNT]) -> bool {
-        let Some(Some([low, high])) = self.spans.get(cell as usize) else {
-            return false;
-        };
-        (0..COUNT).all(|c| {
-            let slack = 0.05 * (high[c] - low[c]) + 1e-4 * (high[c] + low[c]).abs();
-            low[c] - slack <= row[c] && row[c] <= high[c] + slack
-        })
+        let span = self.spans.get(cell as usize);
+        span.is_some_and(|span| span.is_some_and(|span| spans(&span, row)))
     }
+}
+
+/// Whether a row lies in a span, widened by a twentieth of it and rounding.
+pub fn spans([low, high]: &Span, row: &[f32; COUNT]) -> bool {
+    (0..COUNT).all(|c| {
+        let [low, high, x] = [low[c], high[c], row[c]].map(f64::from);
+        let slack = 0.05 * (high - low) + 1e-4 * (high + low).abs();
+        low - slack <= x && x <= high + slack
+    })
 }
 
 /// 1 where two nets differ by no more than [`AGREED`] of their mean luminance, 0 from twice that on.
@@ -218,6 +222,26 @@ mod tests {
         assert_eq!(blended(a, b, [first, elsewhere], &[-1e-7]), [a]);
         assert_eq!(blended(a, b, [first, None], &[-1e-7]), [a]);
         assert_eq!(blended([0.0; 3], [0.0; 3], spans(), &[0.0]), [[0.0; 3]]);
+    }
+
+    /// At a corner each neighbour counts as much as the cell itself: own 1, beside 1.1, above 1.2.
+    #[test]
+    fn a_corner_is_the_mean_of_those_that_meet() {
+        let mut tree = Tree::single();
+        let [left, _] = tree.split(0, columns::P, 0.0, 1);
+        tree.split(left, columns::P + 1, 0.0, 2);
+        let models = [(0, 1.0), (1, 1.1), (2, 1.2)].map(|(cell, y)| plain(cell, [y; 3]));
+        let field = Field::new(tree, models.to_vec()).unwrap();
+        let span = Some([[-1.0; COUNT], [1.0; COUNT]]);
+        let borders = Borders::new(&field, vec![span; 3]);
+        let mut rows = Columns::default();
+        rows.push([-1e-7; COUNT]);
+        let (mut out, mut cells) = (Default::default(), Vec::new());
+        borders
+            .evaluate(&field, &rows, &mut out, &mut cells)
+            .unwrap();
+        assert_eq!(cells, [0]);
+        assert!((out[0][0] - 1.1).abs() < 1e-5, "{}", out[0][0]);
     }
 
     /// Between the two the share falls with the difference: 0.375 apart is half agreed.

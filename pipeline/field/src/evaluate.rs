@@ -110,15 +110,27 @@ impl Field {
         self.walk.groups(rows, None, &mut groups);
         for (cell, ids, _) in groups.iter() {
             mark(cells, ids, cell);
-            match &self.ready[cell as usize] {
-                Ready::Net(packed) => evaluate_cell(packed, rows, ids, &mut scratch, out),
-                Ready::Baseline(baseline) => baseline.add(rows, ids, None, out),
-            }
+            self.evaluate_cell(cell, rows, ids, &mut scratch, out);
         }
         Ok(())
     }
 
-    /// The same by the cells given, whichever the rows lie in.
+    /// The rows `ids` by one cell's model.
+    fn evaluate_cell(
+        &self,
+        cell: u32,
+        rows: &Columns,
+        ids: &[u32],
+        scratch: &mut Scratch,
+        out: &mut [Vec<f32>; 3],
+    ) {
+        match &self.ready[cell as usize] {
+            Ready::Net(packed) => evaluate_cell(packed, rows, ids, scratch, out),
+            Ready::Baseline(baseline) => baseline.add(rows, ids, None, out),
+        }
+    }
+
+    /// [`Field::evaluate`] by the cells given, whichever the rows lie in.
     pub(crate) fn evaluate_as(
         &self,
         rows: &Columns,
@@ -132,10 +144,7 @@ impl Field {
         order.sort_by_key(|&row| cells[row as usize]);
         for ids in order.chunk_by(|&a, &b| cells[a as usize] == cells[b as usize]) {
             let cell = ids.first().map_or(0, |&row| cells[row as usize]);
-            match &self.ready[cell as usize] {
-                Ready::Net(packed) => evaluate_cell(packed, rows, ids, &mut scratch, out),
-                Ready::Baseline(baseline) => baseline.add(rows, ids, None, out),
-            }
+            self.evaluate_cell(cell, rows, ids, &mut scratch, out);
         }
         Ok(())
     }

@@ -8,7 +8,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod baseline;
-mod borders;
+pub mod borders;
 mod check;
 pub mod columns;
 mod derived;

@@ -206,30 +206,26 @@ pub fn read_part(
 /// As [`read_part`].
 pub fn each_stretch(
     run: &Path,
-    [cell, part]: [u32; 2],
+    place: [u32; 2],
     facts: &RunFacts,
     stretch: usize,
     see: &mut dyn FnMut(&SampleTable),
 ) -> Result<(), StoreError> {
-    let path = layout::part_path(run, cell, part);
-    let source = crate::columns::Source {
-        path: &path,
-        table: "samples",
-        remedy: REMEDY,
-    };
     let limits = Limits {
         batch_rows: stretch,
         ..Limits::default()
     };
-    for batch in PartReader::by(&path, cell, part, facts, limits)? {
-        let mut table = SampleTable {
-            cell_id: cell,
+    let mut table = SampleTable {
+        cell_id: place[0],
+        ..SampleTable::default()
+    };
+    read_by(run, place, facts, limits, &mut table, &mut |table| {
+        see(table);
+        *table = SampleTable {
+            cell_id: table.cell_id,
             ..SampleTable::default()
         };
-        table.append(&batch?, source)?;
-        see(&table);
-    }
-    Ok(())
+    })
 }
 
 /// What a part was made from: the hash given to [`write_part_of`], empty where none was; `None`
@@ -274,14 +270,28 @@ fn read_part_into(
     facts: &RunFacts,
     table: &mut SampleTable,
 ) -> Result<(), StoreError> {
+    let limits = Limits::default();
+    read_by(run, [cell, part], facts, limits, table, &mut |_| ())
+}
+
+/// Appends a part's rows batch by batch; `after` sees the table after each.
+fn read_by(
+    run: &Path,
+    [cell, part]: [u32; 2],
+    facts: &RunFacts,
+    limits: Limits,
+    table: &mut SampleTable,
+    after: &mut dyn FnMut(&mut SampleTable),
+) -> Result<(), StoreError> {
     let path = layout::part_path(run, cell, part);
     let source = crate::columns::Source {
         path: &path,
         table: "samples",
         remedy: REMEDY,
     };
-    for batch in PartReader::open(&path, cell, part, facts)? {
+    for batch in PartReader::by(&path, cell, part, facts, limits)? {
         table.append(&batch?, source)?;
+        after(table);
     }
     Ok(())
 }

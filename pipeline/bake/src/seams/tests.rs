@@ -1,4 +1,5 @@
 use super::*;
+use rrf_field::columns;
 use rrf_field::model::CellModel;
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
