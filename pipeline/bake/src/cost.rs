@@ -25,8 +25,9 @@ const PROBES_ROW: f64 = 7e-4;
 /// Share of the iterations allowed that a fit takes, and one that goes on from an earlier net.
 const TAKEN: f64 = 0.6;
 const TAKEN_WARM: f64 = 0.3;
-/// Steps in which inputs and units are taken out of a net: 24 to 44 a cell in the Cornell box.
-const PRUNE_STEPS: f64 = 44.0;
+/// Steps in which inputs and units are taken out of a net: 24 to 44 a cell in the Cornell box; and those of
+/// a smaller net that is tried, a quarter of the work each.
+const PRUNE_STEPS: f64 = 56.0;
 /// Weights of a net that is not known yet.
 const SOME_WEIGHTS: u64 = 500;
 /// Inputs that vary in a cell, at the most: the normal or the material does not.

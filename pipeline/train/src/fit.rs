@@ -4,6 +4,7 @@ use crate::baseline;
 use crate::cell::Cell;
 use crate::checkpoint::Keeper;
 use crate::config::{Batches, Mode, Size, TrainConfig};
+use crate::descent::Descent;
 use crate::error::TrainError;
 use crate::halves::ErrorEstimate;
 use crate::judge::Judge;
@@ -211,17 +212,8 @@ fn local(prepared: &Cell) -> Option<(Ended, Vec<HistoryRow>)> {
         Size::Hidden(hidden) => search::best_of_starts(prepared, &prepared.shape(hidden)),
         Size::Smallest { target } => search::smallest(prepared, *target),
     }?;
-    let ended = Ended {
-        mu: best.mu(),
-        iterations: best.history.len(),
-        shape: best.shape,
-        weights: best.best,
-        error: best.error,
-        stop,
-        alpha: best.alpha,
-        gamma: best.gamma,
-    };
-    Some((ended, best.history))
+    let history = best.history.clone();
+    Some((Ended::of(best, stop), history))
 }
 
 fn online(prepared: &Cell, batches: Batches) -> (Ended, Vec<HistoryRow>) {
@@ -247,11 +239,13 @@ fn online(prepared: &Cell, batches: Batches) -> (Ended, Vec<HistoryRow>) {
 const ONLINE_HIDDEN: &[usize] = &[20, 10];
 
 fn pruned(prepared: &mut Cell, ended: Ended, tolerance: f64) -> Ended {
-    let target = match prepared.config.size {
-        Size::Smallest { target } => target * target,
-        Size::Hidden(_) => 0.0,
+    let within = ended.error * (1.0 + tolerance).powi(2);
+    // the climb to the smallest net has been through the others
+    let (limit, smaller) = match prepared.config.size {
+        Size::Smallest { target } => (within.max(target * target), None),
+        Size::Hidden(_) => (within, search::smaller(prepared, &ended.shape, within)),
     };
-    let limit = (ended.error * (1.0 + tolerance).powi(2)).max(target);
+    let ended = smaller.map_or(ended, |(net, stop)| Ended::of(net, stop));
     let net = Net {
         shape: ended.shape,
         weights: ended.weights,
@@ -279,6 +273,21 @@ struct Ended {
     mu: f64,
     alpha: f64,
     gamma: f64,
+}
+
+impl Ended {
+    fn of(best: Descent, stop: Stop) -> Ended {
+        Ended {
+            mu: best.mu(),
+            iterations: best.history.len(),
+            shape: best.shape,
+            weights: best.best,
+            error: best.error,
+            stop,
+            alpha: best.alpha,
+            gamma: best.gamma,
+        }
+    }
 }
 
 /// Rounds the weights to f32, as they are stored, and judges what is stored.

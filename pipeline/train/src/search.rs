@@ -96,6 +96,20 @@ pub(crate) fn smallest<'a>(cell: &'a Cell, target: f64) -> Option<(Descent<'a>, 
     best
 }
 
+/// Down [`LADDER`] from below `shape`, each net fitted anew, for as long as the squared error is at most
+/// `limit`: the last that was.
+pub(crate) fn smaller<'a>(
+    cell: &'a Cell,
+    shape: &Shape,
+    limit: f64,
+) -> Option<(Descent<'a>, Stop)> {
+    let weights = shape.weights();
+    (LADDER.iter().rev().map(|hidden| cell.shape(hidden)))
+        .filter(|smaller| smaller.weights() < weights)
+        .map_while(|smaller| best_of_starts(cell, &smaller).filter(|(net, _)| net.error <= limit))
+        .last()
+}
+
 /// A squared error that this times the last is a gain.
 const WORTHWHILE: f64 = 0.95;
 

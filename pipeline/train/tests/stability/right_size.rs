@@ -38,6 +38,29 @@ fn separable() {
     assert_eq!(cells::names(&fit.model.inputs), ["px", "lx"]);
 }
 
+/// The same cell given 20 and 10 units and leave to lose a fifth: a small net, fitted anew, in place of
+/// what could be taken out of the large one.
+#[test]
+fn too_large() {
+    let y = |x: &Row| [1.5 + (2.0 * x[0]).tanh(), 1.5 + (2.0 * x[5]).tanh(), 1.5];
+    let cell = Cell::new(900, 0.02, y);
+    let given = |prune| TrainConfig {
+        size: Size::Hidden(vec![20, 10]),
+        prune,
+        ..cells::config()
+    };
+    let [large, small] = [None, Some(0.2)].map(|prune| cell.fit(&given(prune)));
+    assert_eq!(large.model.shape.sizes[1..], [20, 10, 3]);
+    let error = |fit: &rrf_train::CellFit| cell.error(&fit.model, y);
+    assert!(small.metrics.weights <= 24, "{:?}", small.model.shape.sizes);
+    assert!(
+        error(&small) < 0.01,
+        "{} of {}",
+        error(&small),
+        error(&large)
+    );
+}
+
 /// Radiance that does not depend on v (nor on lz): both are found out.
 #[test]
 fn independent_of_the_viewer() {
