@@ -19,23 +19,23 @@ installed() {
     dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'install ok installed'
 }
 
-# the newest that Debian 12 and 13 both have, then whatever else Dr.Jit can load
+# the newest that Debian 12 and 13 both have, then whatever else Dr.Jit can load; one that happens to be
+# installed is not taken before it: with LLVM 15 kernels do not compile on newer processors
 candidates="libllvm19 libllvm20 libllvm18 libllvm17 libllvm16 libllvm15"
-llvm=""
+llvm="" missing="" listed=""
+python3 -c 'import ensurepip, venv' 2>/dev/null || missing="python3-venv"
 for package in $candidates; do
     if installed "$package"; then llvm=$package; break; fi
-done
-missing=""
-python3 -c 'import ensurepip, venv' 2>/dev/null || missing="python3-venv"
-if [ -z "$llvm" ] || [ -n "$missing" ]; then
-    as_root apt-get update -qq
-    if [ -z "$llvm" ]; then
-        for package in $candidates; do
-            if apt-cache show "$package" >/dev/null 2>&1; then llvm=$package; break; fi
-        done
-        [ -n "$llvm" ] || { echo "no package of: $candidates" >&2; exit 1; }
-        missing="$missing $llvm"
+    [ -n "$listed" ] || as_root apt-get update -qq
+    listed=yes
+    if apt-cache show "$package" >/dev/null 2>&1; then
+        llvm=$package missing="$missing $package"
+        break
     fi
+done
+[ -n "$llvm" ] || { echo "no package of: $candidates" >&2; exit 1; }
+if [ -n "$missing" ]; then
+    [ -n "$listed" ] || as_root apt-get update -qq
     echo "installing Debian packages: $missing"
     # shellcheck disable=SC2086
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $missing
