@@ -31,7 +31,7 @@ pub fn set(config: &mut BakeConfig, args: &BakeSettings, scene: &Scene) -> Resul
         }
         Method::GlobalNet => {
             one_round(args)?;
-            (config.extract.cells, config.most_cells) = (1, 1);
+            one_cell(config, args)?;
             if args.hidden.is_none() {
                 config.train.size = Size::Hidden(GLOBAL_NET.to_vec());
             }
@@ -43,12 +43,12 @@ pub fn set(config: &mut BakeConfig, args: &BakeSettings, scene: &Scene) -> Resul
                 return Err(BadInput("--inputs: probes have their own".into()));
             }
             baseline(config, args, Kind::Probes)?;
-            (config.extract.cells, config.most_cells) = (1, 1);
+            one_cell(config, args)?;
         }
         Method::Nearest => {
             baseline(config, args, Kind::Nearest)?;
             // the nearest may lie anywhere, and what is derived says twice what the raw columns say
-            (config.extract.cells, config.most_cells) = (1, 1);
+            one_cell(config, args)?;
             config.train.inputs = rrf_field::columns::NAMES.map(String::from).to_vec();
         }
     }
@@ -89,6 +89,17 @@ fn no_hidden(args: &BakeSettings) -> Result<(), BadInput> {
         Some(_) => Err(BadInput(
             "--hidden: this method has no net with hidden units".into(),
         )),
+        None => Ok(()),
+    }
+}
+
+/// Sets one cell for the whole scene.
+fn one_cell(config: &mut BakeConfig, args: &BakeSettings) -> Result<(), BadInput> {
+    (config.extract.cells, config.most_cells) = (1, 1);
+    match args.cells.or(args.most_cells).filter(|&cells| cells > 1) {
+        Some(cells) => Err(BadInput(format!(
+            "{cells} cells: this method has one for the whole scene; leave out --cells and --most-cells"
+        ))),
         None => Ok(()),
     }
 }
