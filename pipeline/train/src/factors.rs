@@ -45,30 +45,37 @@ impl<T: Real> Factors<T> {
         }
     }
 
-    /// Adds the product of one pair of layers, p at least q, to `sums`.
+    /// Adds the product of one pair of layers, p at least q, to `sums`: of pairs of units and pairs of
+    /// inputs, or of pairs of inputs and pairs of units where `swapped`.
     pub fn add(
         &mut self,
         tile: &Tile,
         [p, q]: [usize; 2],
         [lda, ldb]: [usize; 2],
+        swapped: bool,
         sums: &mut [f64],
     ) {
         let (top, rows) = (tile.depth(), tile.batch.rows);
         let (a, b, n) = (&mut self.a, &mut self.b, &self.sizes);
+        let ((units, ldu), (inputs, ldi)) = if swapped {
+            ((b, ldb), (a, lda))
+        } else {
+            ((a, lda), (b, ldb))
+        };
         if p == q {
-            T::upper(&self.z[p], n[p] + 1, rows, ldb, b);
+            T::upper(&self.z[p], n[p] + 1, rows, ldi, inputs);
         } else {
             let [y, z] = [p, q].map(|l| (&self.z[l], n[l] + 1));
-            T::outer(y, z, rows, ldb, b);
+            T::outer(y, z, rows, ldi, inputs);
         }
         if q == top {
-            for (row, a) in a.chunks_exact_mut(lda).take(rows).enumerate() {
+            for (row, a) in units.chunks_exact_mut(ldu).take(rows).enumerate() {
                 for (a, s) in a.iter_mut().zip(&tile.s) {
                     *a = T::of(s[row] * s[row]);
                 }
             }
         } else if p == top {
-            for (row, a) in a.chunks_exact_mut(lda).take(rows).enumerate() {
+            for (row, a) in units.chunks_exact_mut(ldu).take(rows).enumerate() {
                 for c in 0..CHANNELS {
                     let s = T::of(tile.s[c][row]);
                     let g = &self.g[q].row(row)[c * n[q + 1]..][..n[q + 1]];
@@ -79,7 +86,7 @@ impl<T: Real> Factors<T> {
             }
         } else {
             let [y, z] = [p, q].map(|l| (&self.g[l], n[l + 1]));
-            T::over_channels(y, z, p == q, rows, lda, a);
+            T::over_channels(y, z, p == q, rows, ldu, units);
         }
         T::accumulate(&self.a[..rows * lda], lda, &self.b[..rows * ldb], ldb, sums);
     }
