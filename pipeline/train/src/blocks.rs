@@ -39,13 +39,15 @@ impl Normal {
     }
 }
 
-/// Products of the layers p ≥ q over the rows: C = Aᵀ B.
+/// Products of the layers p ≥ q over the rows: C = Aᵀ B, between pairs of units and pairs of inputs.
 struct Block {
     p: usize,
     q: usize,
-    /// Columns of A and B in use.
-    m: usize,
-    n: usize,
+    /// How many pairs of units and of inputs.
+    units: usize,
+    inputs: usize,
+    /// The pairs of inputs are the columns of A and those of units of B, not the other way round.
+    swapped: bool,
     lda: usize,
     ldb: usize,
     sums: Vec<f64>,
@@ -153,11 +155,12 @@ impl Accumulator {
             Products::Single(factors) => factors.pack(tile),
         }
         for block in &mut self.blocks {
-            let (layers, widths) = ([block.p, block.q], [block.lda, block.ldb]);
+            let layers = [block.p, block.q];
+            let widths = [block.lda, block.ldb];
             let sums = &mut block.sums;
             match &mut self.products {
-                Products::Double(factors) => factors.add(tile, layers, widths, sums),
-                Products::Single(factors) => factors.add(tile, layers, widths, sums),
+                Products::Double(factors) => factors.add(tile, layers, widths, block.swapped, sums),
+                Products::Single(factors) => factors.add(tile, layers, widths, block.swapped, sums),
             }
         }
     }
@@ -221,12 +224,19 @@ impl Accumulator {
             let (row, column) = (row.max(column), row.min(column));
             normal.matrix[row * n + column] = value;
         };
-        for (pair, sums) in block.sums.chunks_exact(block.ldb).take(block.m).enumerate() {
-            let sums = &sums[..block.n];
+        let value = |pair: usize, ab: usize| match block.swapped {
+            false => block.sums[pair * block.ldb + ab],
+            true => block.sums[ab * block.ldb + pair],
+        };
+        for pair in 0..block.units {
             if p != q {
                 let (j, k) = (pair / self.sizes[q + 1], pair % self.sizes[q + 1]);
-                for (ab, value) in sums.iter().enumerate() {
-                    set(at(p, wp, j, ab / wq), at(q, wq, k, ab % wq), *value);
+                for ab in 0..block.inputs {
+                    set(
+                        at(p, wp, j, ab / wq),
+                        at(q, wq, k, ab % wq),
+                        value(pair, ab),
+                    );
                 }
             } else {
                 let (j, k) = if p == top {
@@ -237,8 +247,8 @@ impl Accumulator {
                 let mut ab = 0;
                 for a in 0..wp {
                     for b in a..wp {
-                        set(at(p, wp, j, a), at(p, wp, k, b), sums[ab]);
-                        set(at(p, wp, j, b), at(p, wp, k, a), sums[ab]);
+                        set(at(p, wp, j, a), at(p, wp, k, b), value(pair, ab));
+                        set(at(p, wp, j, b), at(p, wp, k, a), value(pair, ab));
                         ab += 1;
                     }
                 }
@@ -258,13 +268,18 @@ fn unpair(mut pair: usize, n: usize) -> (usize, usize) {
 }
 
 impl Block {
-    fn new(p: usize, q: usize, m: usize, n: usize) -> Block {
-        let (lda, ldb) = (m.next_multiple_of(PAD_A), n.next_multiple_of(PAD_B));
+    fn new(p: usize, q: usize, units: usize, inputs: usize) -> Block {
+        let padded = |m: usize, n: usize| (m.next_multiple_of(PAD_A), n.next_multiple_of(PAD_B));
+        let (straight, crosswise) = (padded(units, inputs), padded(inputs, units));
+        // Whichever has less padding to multiply.
+        let swapped = crosswise.0 * crosswise.1 < straight.0 * straight.1;
+        let (lda, ldb) = if swapped { crosswise } else { straight };
         Block {
             p,
             q,
-            m,
-            n,
+            units,
+            inputs,
+            swapped,
             lda,
             ldb,
             sums: vec![0.0; lda * ldb],

@@ -4,7 +4,7 @@
 //! is summed over the rows in their order, whatever the instruction set's block is. A and B are
 //! f64, or f32 with the sums of one tile in f32: twice as many numbers a vector. C is f64.
 
-use crate::simd::fma;
+use crate::simd::{fma, single_fma};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
@@ -68,12 +68,6 @@ macro_rules! row {
 
 row!(row, f64, fma::<FMA>);
 row!(row_single, f32, single_fma::<FMA>);
-
-/// a b + c, rounded once where the instruction set can.
-#[inline(always)]
-fn single_fma<const FMA: bool>(a: f32, b: f32, c: f32) -> f32 {
-    if FMA { a.mul_add(b, c) } else { a * b + c }
-}
 
 /// C in blocks of `$m` x `$n` accumulators that stay in registers while the rows go by.
 /// Each row of a block is a variable of its own: as one array of arrays they end up in memory,

@@ -3,9 +3,9 @@
 //! OpenBLAS is told to use one thread: nets are trained in parallel, one thread a net, and its
 //! own threads would only contend with them.
 
-use ndarray::{ArrayView2, ArrayViewMut1, ArrayViewMut2};
-use ndarray_linalg::UPLO;
-use ndarray_linalg::cholesky::{CholeskyFactorized, CholeskyInplace, InverseCInto, SolveC};
+use ndarray::{ArrayView2, ArrayViewMut1, ArrayViewMut2, ShapeBuilder, ShapeError};
+use ndarray_linalg::cholesky::{CholeskyFactorized, InverseCInto, SolveC};
+use ndarray_linalg::{AllocatedArray, AllocatedArrayMut, Lapack, UPLO};
 use std::sync::Once;
 
 unsafe extern "C" {
@@ -30,36 +30,42 @@ pub struct Indefinite {
 #[derive(Clone, Debug, Default)]
 pub struct Cholesky {
     n: usize,
+    /// Lᵀ, row-major; below its diagonal whatever was left there. LAPACK, which counts by columns,
+    /// sees L, so nothing is transposed on the way in or out.
     factor: Vec<f64>,
 }
 
 impl Cholesky {
-    /// Factors `matrix` (row-major, lower triangle read) with `add[i]` added to its diagonal.
+    /// Factors `matrix` (row-major, upper triangle read) with `add[i]` added to its diagonal.
     pub fn factor(&mut self, matrix: &[f64], add: &[f64]) -> Result<(), Indefinite> {
         one_thread();
         let n = add.len();
         let failed = Indefinite { order: n };
         self.n = n;
-        self.factor.clear();
-        self.factor.extend_from_slice(matrix);
-        for (i, add) in add.iter().enumerate() {
-            let d = &mut self.factor[i * n + i];
-            *d += add;
+        self.factor.resize(n * n, 0.0);
+        let rows = self.factor.chunks_exact_mut(n.max(1));
+        for (i, (to, from)) in rows.zip(matrix.chunks_exact(n.max(1))).enumerate() {
+            to[i..].copy_from_slice(&from[i..]);
+            let d = &mut to[i];
+            *d += add[i];
             // Some LAPACKs walk on through a NaN or a negative first pivot.
             if !(*d > 0.0 && d.is_finite()) {
                 return Err(failed);
             }
         }
-        let mut view = ArrayViewMut2::from_shape((n, n), &mut self.factor).map_err(|_| failed)?;
         if n > 0 {
-            view.cholesky_inplace(UPLO::Lower).map_err(|_| failed)?;
+            // Of the trait itself: `cholesky_inplace` clears the other triangle too.
+            let mut view = columns(n, &mut self.factor).map_err(|_| failed)?;
+            let layout = view.square_layout().map_err(|_| failed)?;
+            let values = view.as_allocated_mut().map_err(|_| failed)?;
+            f64::cholesky(layout, UPLO::Lower, values).map_err(|_| failed)?;
         }
         let finite = (0..n).all(|i| self.factor[i * n + i].is_finite());
         if finite { Ok(()) } else { Err(failed) }
     }
 
     fn factorised(&self) -> Option<CholeskyFactorized<ndarray::ViewRepr<&f64>>> {
-        let factor = ArrayView2::from_shape((self.n, self.n), &self.factor).ok()?;
+        let factor = ArrayView2::from_shape((self.n, self.n).f(), &self.factor).ok()?;
         Some(CholeskyFactorized {
             factor,
             uplo: UPLO::Lower,
@@ -82,10 +88,8 @@ impl Cholesky {
     pub fn inverse(&mut self) -> Result<&[f64], Indefinite> {
         let failed = Indefinite { order: self.n };
         if self.n > 0 {
-            let view = ArrayViewMut2::from_shape((self.n, self.n), &mut self.factor)
-                .map_err(|_| failed)?;
             CholeskyFactorized {
-                factor: view,
+                factor: columns(self.n, &mut self.factor).map_err(|_| failed)?,
                 uplo: UPLO::Lower,
             }
             .invc_into()
@@ -93,6 +97,11 @@ impl Cholesky {
         }
         Ok(&self.factor)
     }
+}
+
+/// A square matrix as LAPACK counts it, column by column.
+fn columns(n: usize, values: &mut [f64]) -> Result<ArrayViewMut2<'_, f64>, ShapeError> {
+    ArrayViewMut2::from_shape((n, n).f(), values)
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 
 use crate::gemm;
 use crate::simd::{Lane, TILE};
+use crate::tile::CHANNELS;
 use multiversion::multiversion;
+use multiversion::target::target_cfg_f;
 
 /// Numbers that the factors can be.
 pub(crate) trait Real: Copy + Default + 'static {
@@ -10,6 +12,8 @@ pub(crate) trait Real: Copy + Default + 'static {
     fn of(x: f64) -> Self;
     /// The product of two.
     fn times(self, other: Self) -> Self;
+    /// Up to [`STEP`] lanes as rows of that many values; the rest of each row is zero.
+    fn transpose(lanes: &[Lane], out: &mut [[Self; STEP]; TILE]);
     /// Row by row, all products of z's entries a ≤ b.
     fn upper(z: &Packed<Self>, n: usize, rows: usize, ld: usize, out: &mut [Self]);
     /// Row by row, all products of an entry of y with an entry of z.
@@ -20,10 +24,11 @@ pub(crate) trait Real: Copy + Default + 'static {
         ld: usize,
         out: &mut [Self],
     );
-    /// Row by row, Σ_c y_cj z_ck for all (j, k), or for j ≤ k only.
+    /// Row by row, Σ_c y_cj z_ck for all (j, k), or for j ≤ k only; the channels of a row follow
+    /// one another.
     fn over_channels(
-        y: (&[Packed<Self>], usize),
-        z: (&[Packed<Self>], usize),
+        y: (&Packed<Self>, usize),
+        z: (&Packed<Self>, usize),
         triangular: bool,
         rows: usize,
         ld: usize,
@@ -39,8 +44,8 @@ pub(crate) struct Packed<T> {
     values: Vec<T>,
 }
 
-/// Values a vector step reads or writes.
-pub(crate) const STEP: usize = 8;
+/// Most values that a vector step reads or writes.
+pub(crate) const STEP: usize = 16;
 
 impl<T: Real> Packed<T> {
     pub fn new(width: usize) -> Packed<T> {
@@ -51,9 +56,22 @@ impl<T: Real> Packed<T> {
         }
     }
 
-    pub fn set(&mut self, column: usize, lane: &Lane) {
-        for (row, value) in self.values.chunks_exact_mut(self.stride).zip(lane) {
-            row[column] = T::of(*value);
+    /// The same with ones in the first column.
+    pub fn with_ones(mut self) -> Packed<T> {
+        for row in self.values.chunks_exact_mut(self.stride) {
+            row[0] = T::of(1.0);
+        }
+        self
+    }
+
+    /// Lanes as columns, from `first` on, in whole vectors: what follows the last becomes zero.
+    pub fn set(&mut self, first: usize, lanes: &[Lane]) {
+        let mut block = [[T::default(); STEP]; TILE];
+        for (at, lanes) in (first..).step_by(STEP).zip(lanes.chunks(STEP)) {
+            T::transpose(lanes, &mut block);
+            for (row, values) in self.values.chunks_exact_mut(self.stride).zip(&block) {
+                row[at..][..STEP].copy_from_slice(values);
+            }
         }
     }
 
@@ -63,7 +81,10 @@ impl<T: Real> Packed<T> {
 }
 
 macro_rules! kernels {
-    ($real:ty, $accumulate:path) => {
+    ($real:ty, $step:literal, $fma:path, $accumulate:path) => {
+        /// Values of a vector step.
+        const WIDE: usize = $step;
+
         impl Real for $real {
             #[inline(always)]
             fn of(x: f64) -> $real {
@@ -73,6 +94,10 @@ macro_rules! kernels {
             #[inline(always)]
             fn times(self, other: $real) -> $real {
                 self * other
+            }
+
+            fn transpose(lanes: &[Lane], out: &mut [[$real; STEP]; TILE]) {
+                transpose(lanes, out);
             }
 
             fn upper(z: &Packed<$real>, n: usize, rows: usize, ld: usize, out: &mut [$real]) {
@@ -90,8 +115,8 @@ macro_rules! kernels {
             }
 
             fn over_channels(
-                y: (&[Packed<$real>], usize),
-                z: (&[Packed<$real>], usize),
+                y: (&Packed<$real>, usize),
+                z: (&Packed<$real>, usize),
                 triangular: bool,
                 rows: usize,
                 ld: usize,
@@ -105,96 +130,136 @@ macro_rules! kernels {
             }
         }
 
-        /// out = v · x for the `n` leading values of x, in whole vectors: up to seven values past the
-        /// end are written too, and overwritten by whatever comes next.
+        /// The values of both halves in turn, which takes the first bit of a value's place to its
+        /// end: as often as the step has bits, and lane by lane becomes row by row.
         #[inline(always)]
-        fn scaled(v: $real, x: &[$real], n: usize, out: &mut [$real]) {
-            for (x, out) in x
-                .chunks_exact(STEP)
-                .zip(out.chunks_exact_mut(STEP))
-                .take(n.div_ceil(STEP))
-            {
-                for i in 0..STEP {
-                    out[i] = v * x[i];
-                }
+        fn riffle(from: &[$real], to: &mut [$real]) {
+            let (a, b) = from.split_at(from.len() / 2);
+            for ((to, a), b) in to.as_chunks_mut::<2>().0.iter_mut().zip(a).zip(b) {
+                *to = [*a, *b];
             }
         }
 
-        /// Row by row, all products of z's entries a ≤ b.
+        #[multiversion(targets(
+            "x86_64+avx512f+avx512dq+avx512vl+fma",
+            "x86_64+avx2+fma",
+            "aarch64+neon"
+        ))]
+        fn transpose(lanes: &[Lane], out: &mut [[$real; STEP]; TILE]) {
+            let mut other = [0.0; STEP * TILE];
+            let out = out.as_flattened_mut();
+            for (to, lane) in out.chunks_exact_mut(TILE).zip(lanes) {
+                for (to, x) in to.iter_mut().zip(lane) {
+                    *to = *x as $real;
+                }
+            }
+            out[lanes.len() * TILE..].fill(0.0);
+            for _ in 0..STEP.ilog2() / 2 {
+                riffle(out, &mut other);
+                riffle(&other, out);
+            }
+        }
+
+        /// out = Σ_c v_c x_c for the `n` leading values of each x, in whole vectors: what is written
+        /// past the end is overwritten by whatever comes next. `V` is how many vectors hold n
+        /// values, or 0 where that is not known when this is compiled.
+        #[inline(always)]
+        fn combined<const C: usize, const V: usize, const FMA: bool>(
+            v: [$real; C],
+            x: [&[$real]; C],
+            n: usize,
+            out: &mut [$real],
+        ) {
+            let vectors = if V == 0 { n.div_ceil(WIDE) } else { V };
+            let x = x.map(|x| &x.as_chunks::<WIDE>().0[..vectors]);
+            let out = &mut out.as_chunks_mut::<WIDE>().0[..vectors];
+            for (k, out) in out.iter_mut().enumerate() {
+                let mut sum = x[0][k].map(|x| v[0] * x);
+                for c in 1..C {
+                    for (sum, x) in sum.iter_mut().zip(&x[c][k]) {
+                        *sum = $fma(v[c], *x, *sum);
+                    }
+                }
+                *out = sum;
+            }
+        }
+
         #[multiversion(targets(
             "x86_64+avx512f+avx512dq+avx512vl+fma",
             "x86_64+avx2+fma",
             "aarch64+neon"
         ))]
         fn upper(z: &Packed<$real>, n: usize, rows: usize, ld: usize, out: &mut [$real]) {
-            for row in 0..rows {
-                let z = z.row(row);
-                let mut at = row * ld;
-                for a in 0..n {
-                    scaled(z[a], &z[a..], n - a, &mut out[at..]);
-                    at += n - a;
-                }
+            if n <= WIDE {
+                products::<1, 1, false>((z, n), (z, n), true, rows, ld, out);
+            } else {
+                products::<1, 0, false>((z, n), (z, n), true, rows, ld, out);
             }
         }
 
-        /// Row by row, all products of an entry of y with an entry of z.
         #[multiversion(targets(
             "x86_64+avx512f+avx512dq+avx512vl+fma",
             "x86_64+avx2+fma",
             "aarch64+neon"
         ))]
         fn outer(
-            (y, n_y): (&Packed<$real>, usize),
-            (z, n_z): (&Packed<$real>, usize),
+            y: (&Packed<$real>, usize),
+            z: (&Packed<$real>, usize),
             rows: usize,
             ld: usize,
             out: &mut [$real],
         ) {
-            for row in 0..rows {
-                let (y, z) = (y.row(row), z.row(row));
-                let mut at = row * ld;
-                for v in &y[..n_y] {
-                    scaled(*v, z, n_z, &mut out[at..]);
-                    at += n_z;
-                }
+            match z.1.div_ceil(WIDE) {
+                1 => products::<1, 1, false>(y, z, false, rows, ld, out),
+                2 => products::<1, 2, false>(y, z, false, rows, ld, out),
+                _ => products::<1, 0, false>(y, z, false, rows, ld, out),
             }
         }
 
-        /// Row by row, Σ_c y_cj z_ck for all (j, k), or for j ≤ k only.
         #[multiversion(targets(
             "x86_64+avx512f+avx512dq+avx512vl+fma",
             "x86_64+avx2+fma",
             "aarch64+neon"
         ))]
         fn over_channels(
-            (y, n_y): (&[Packed<$real>], usize),
-            (z, n_z): (&[Packed<$real>], usize),
+            y: (&Packed<$real>, usize),
+            z: (&Packed<$real>, usize),
             triangular: bool,
             rows: usize,
             ld: usize,
             out: &mut [$real],
         ) {
-            let ([y0, y1, y2], [z0, z1, z2]) = (y, z) else {
-                return;
-            };
+            if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
+                match (triangular, z.1.div_ceil(WIDE)) {
+                    (_, 1) => products::<CHANNELS, 1, true>(y, z, triangular, rows, ld, out),
+                    (false, 2) => products::<CHANNELS, 2, true>(y, z, false, rows, ld, out),
+                    _ => products::<CHANNELS, 0, true>(y, z, triangular, rows, ld, out),
+                }
+            } else {
+                products::<CHANNELS, 0, false>(y, z, triangular, rows, ld, out);
+            }
+        }
+
+        /// Row by row, Σ_c y_cj z_ck for all (j, k), or for j ≤ k only.
+        #[inline(always)]
+        fn products<const C: usize, const V: usize, const FMA: bool>(
+            (y, n_y): (&Packed<$real>, usize),
+            (z, n_z): (&Packed<$real>, usize),
+            triangular: bool,
+            rows: usize,
+            ld: usize,
+            out: &mut [$real],
+        ) {
             for row in 0..rows {
-                let (y0, y1, y2) = (y0.row(row), y1.row(row), y2.row(row));
-                let (z0, z1, z2) = (z0.row(row), z1.row(row), z2.row(row));
+                let (y, z) = (y.row(row), z.row(row));
+                let y: [_; C] = std::array::from_fn(|c| &y[c * n_y..][..n_y]);
+                let z: [_; C] = std::array::from_fn(|c| &z[c * n_z..]);
                 let mut at = row * ld;
                 for j in 0..n_y {
                     let first = if triangular { j } else { 0 };
-                    let n = n_z - first;
-                    let (v0, v1, v2) = (y0[j], y1[j], y2[j]);
-                    let x0 = z0[first..].chunks_exact(STEP);
-                    let x1 = z1[first..].chunks_exact(STEP);
-                    let x2 = z2[first..].chunks_exact(STEP);
-                    let steps = x0.zip(x1).zip(x2).zip(out[at..].chunks_exact_mut(STEP));
-                    for (((x0, x1), x2), out) in steps.take(n.div_ceil(STEP)) {
-                        for i in 0..STEP {
-                            out[i] = v0 * x0[i] + v1 * x1[i] + v2 * x2[i];
-                        }
-                    }
-                    at += n;
+                    let (v, x) = (y.map(|y| y[j]), z.map(|z| &z[first..]));
+                    combined::<C, V, FMA>(v, x, n_z - first, &mut out[at..]);
+                    at += n_z - first;
                 }
             }
         }
@@ -203,10 +268,15 @@ macro_rules! kernels {
 
 mod double {
     use super::*;
-    kernels!(f64, gemm::accumulate);
+    use crate::simd::fma;
+    kernels!(f64, 8, fma::<FMA>, gemm::accumulate);
 }
 
 mod single {
     use super::*;
-    kernels!(f32, gemm::accumulate_single);
+    use crate::simd::single_fma;
+    kernels!(f32, 16, single_fma::<FMA>, gemm::accumulate_single);
 }
+
+#[cfg(test)]
+mod tests;

@@ -19,6 +19,12 @@ pub fn fma<const FMA: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FMA { a.mul_add(b, c) } else { a * b + c }
 }
 
+/// [`fma`] of f32.
+#[inline(always)]
+pub(crate) fn single_fma<const FMA: bool>(a: f32, b: f32, c: f32) -> f32 {
+    if FMA { a.mul_add(b, c) } else { a * b + c }
+}
+
 /// Σ x y over a tile, in eight sums of every eighth row that are added up in their order.
 #[multiversion(targets(
     "x86_64+avx512f+avx512dq+avx512vl+fma",

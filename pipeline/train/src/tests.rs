@@ -63,7 +63,14 @@ fn close(a: &[f64], b: &[f64], tolerance: f64) {
 
 #[test]
 fn structured_equals_dense() {
-    let shapes: [&[usize]; 5] = [&[5, 3], &[3, 4, 3], &[7, 9, 6, 3], &[1, 1, 1, 3], &[0, 3]];
+    let shapes: [&[usize]; 6] = [
+        &[5, 3],
+        &[3, 4, 3],
+        &[7, 9, 6, 3],
+        &[1, 1, 1, 3],
+        &[0, 3],
+        &[10, 20, 10, 3],
+    ];
     for sizes in shapes {
         let shape = Shape {
             sizes: sizes.to_vec(),

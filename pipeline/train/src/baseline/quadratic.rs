@@ -69,7 +69,7 @@ fn step(weighing: &Weighing, count: usize, ridge: f64) -> Option<Coefficients> {
     Some([a?, b?, c?])
 }
 
-/// A = Σ w φ φᵀ (its lower triangle) and b = Σ w y φ.
+/// A = Σ w φ φᵀ (its upper triangle) and b = Σ w y φ.
 struct Equations {
     matrix: Vec<f64>,
     right: Vec<f64>,
@@ -91,7 +91,7 @@ impl Equations {
         for (i, (row, right)) in rows.zip(&mut self.right).enumerate() {
             let scaled = weight * values[i];
             *right += scaled * target;
-            for (sum, x) in row.iter_mut().zip(&values[..=i]) {
+            for (sum, x) in row[i..].iter_mut().zip(&values[i..]) {
                 *sum += scaled * x;
             }
         }

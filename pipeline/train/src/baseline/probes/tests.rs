@@ -107,7 +107,7 @@ fn they_solve_their_normal_equations() {
             }
             for i in 0..n {
                 right[i] += w * phi[i] * row.target[c];
-                for j in 0..=i {
+                for j in i..n {
                     matrix[i * n + j] += w * phi[i] * phi[j];
                 }
             }
