@@ -10,6 +10,7 @@ the medians are kept, step by step. Every program ends after its steps or SECOND
   ours          examples/race of rrf-train
   accelerated   the same with geodesic acceleration
   warm          the same, its first 12 steps on a quarter of the rows; also with JᵀJ multiplied from f32
+  as bakes      that without acceleration
   numpy LM      Jacobian by backpropagation, gemm, Cholesky, damping times or over ten
   scipy lm      scipy.optimize.least_squares(method="lm"), MINPACK, the same analytic Jacobian
   jax Adam      float32, batches of 256 in random order, rate 3e-3 falling to 0 as a cosine
@@ -291,6 +292,7 @@ PROGRAMS = {
     "accelerated": lambda task: ours(task, "accelerate"),
     "warm": lambda task: ours(task, "accelerate", "warm"),
     "warm; f32 products": lambda task: ours(task, "accelerate", "warm", "single"),
+    "as bakes": lambda task: ours(task, "warm", "single"),
     "numpy LM": numpy_lm,
     "scipy lm": scipy_lm,
     "jax Adam": jax_adam,
