@@ -21,7 +21,10 @@ def main(source: str, *pictures: str) -> None:
             width = 2.4 if name == "ours" else 1.4
             axis.plot(seconds[1:], [100 * row[column] for row in rows[1:]], label=name, linewidth=width)
     for axis, title in zip(axes, ("rows trained on", "rows kept back")):
-        axis.set(xscale="log", yscale="log", xlabel="CPU seconds, one core", title=title)
+        axis.set(xscale="log", yscale="log", xlabel="CPU seconds, one core", title=title, xlim=(5e-3, 8))
+        for ticks in (axis.xaxis, axis.yaxis):
+            ticks.set_major_formatter("{x:g}")
+        axis.yaxis.set_minor_formatter("{x:g}")
         axis.grid(True, which="both", alpha=0.25)
     axes[0].set_ylabel("relative RMS error [%]")
     axes[1].legend(bbox_to_anchor=(1.02, 1), loc="upper left")

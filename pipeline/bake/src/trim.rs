@@ -1,5 +1,6 @@
-//! The last round of a bake that has met its target: inputs and units that the nets can do without go
-//! (`rrf_train`'s pruning), on the rows that there are, for as long as the whole still meets the target.
+//! The last round of a bake that has met its target: nets make way for smaller ones, and inputs and units that
+//! they can do without go (`rrf_train`'s pruning), on the rows that there are, for as long as the whole still
+//! meets the target.
 //!
 //! With E² the squared error of the whole, E its standard error σ and T the target, nets may lose until
 //! A (1 + σ / E) = T. Each cell may add A² − E² to its own squared error, so that all of them add that

@@ -83,8 +83,9 @@ pub struct TrainConfig {
     pub kind: Kind,
     /// Which nets to consider.
     pub size: Size,
-    /// Take out inputs and units for as long as the validation error stays within this share
-    /// above that of the whole net (or below [`Size::Smallest`]'s target).
+    /// Make the net smaller for as long as the validation error stays within this share above that of the
+    /// whole one (or below [`Size::Smallest`]'s target): a smaller one of [`LADDER`] in place of
+    /// [`Size::Hidden`]'s, then inputs and units taken out.
     pub prune: Option<f64>,
     /// Divide the target by the base colour (Lambert cells: outgoing radiance is proportional
     /// to it). Channels of base colour 0 are left out of the loss.

@@ -81,8 +81,8 @@ pub struct BakeSettings {
     /// Cells of all rounds at the most, instead of the preset's.
     #[arg(long, value_name = "N")]
     pub most_cells: Option<u32>,
-    /// Leave nets as large as they are when the target is met, instead of taking out inputs and units
-    /// until it is only just met.
+    /// Leave nets as large as they are when the target is met, instead of making them smaller until it is
+    /// only just met.
     #[arg(long)]
     pub no_trim: bool,
     /// Reading the scene.
