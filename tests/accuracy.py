@@ -1,4 +1,4 @@
-"""How accurate baked models are: python3 tests/accuracy.py [SCENE ...] [--rrf F] [--work DIR] [--spp N]
+"""How accurate baked models are: .venv/bin/python tests/accuracy.py [SCENE ...] [--rrf F] [--work DIR] [--spp N]
 
 For each scene: bakes it (seed 1, --preset standard), queries the table of another renderer where
 there is one, renders held-out frames at random viewpoints and lights by the model and by `rrf
@@ -129,7 +129,7 @@ def judge(name, args):
     rounds = sorted((baked / "rounds").glob("*/judged.json"))
     judged = json.loads(rounds[-1].read_text())
     held_out = judged["judgement"]
-    print(f"\n{name}: {file}, light box {box}, target {target:.0%}")
+    print(f"\n{name}: {file}, light box {box}, target {target:.1%}")
     print(f"  stopped: {judged['stop']} after {len(rounds)} rounds, {len(held_out['cells'])} cells")
     print(f"  held-out error  {held_out['relative_error']:.2%} ± {held_out['relative_error_se']:.2%}")
     print(f"  bake            {seconds:.0f} s,  model {bytes_of(baked / 'model') / 1000:.0f} kB")
@@ -140,6 +140,8 @@ def judge(name, args):
         judge_points = HERE / "data/oracle/judge_points.py"
         verdict = [sys.executable, judge_points, "err", table, answers, target]
         done = subprocess.run([str(c) for c in verdict], capture_output=True, text=True)
+        if not done.stdout:
+            sys.exit(f"{done.stderr}judging needs numpy and pyarrow: make python, then .venv/bin/python {sys.argv[0]}")
         print(f"  other renderer  {done.stdout.strip()}")
     if args.spp == 0:
         return

@@ -193,7 +193,7 @@ fn train(cell: u32, mut prepared: Cell) -> CellFit {
         prepared.report.dropped_inputs.extend(unused);
         return constant(cell, prepared, Stop::Target);
     }
-    let (mut ended, history) = match prepared.config.mode {
+    let (mut ended, mut history) = match prepared.config.mode {
         Mode::Local => match local(&prepared) {
             Some(found) => found,
             None => return constant(cell, prepared, Stop::NotFinite),
@@ -201,7 +201,7 @@ fn train(cell: u32, mut prepared: Cell) -> CellFit {
         Mode::Online(batches) | Mode::Recursive { batches, .. } => online(&prepared, batches),
     };
     if let Some(tolerance) = prepared.config.prune {
-        ended = pruned(&mut prepared, ended, tolerance);
+        ended = pruned(&mut prepared, ended, &mut history, tolerance);
     }
     prepared.report.history = history;
     finish(cell, prepared, ended)
@@ -238,14 +238,26 @@ fn online(prepared: &Cell, batches: Batches) -> (Ended, Vec<HistoryRow>) {
 /// Hidden layers of an online fit that leaves the size open: it sees its rows only once.
 const ONLINE_HIDDEN: &[usize] = &[20, 10];
 
-fn pruned(prepared: &mut Cell, ended: Ended, tolerance: f64) -> Ended {
+/// What pruning leaves; `history` is that of the net it began with.
+fn pruned(
+    prepared: &mut Cell,
+    ended: Ended,
+    history: &mut Vec<HistoryRow>,
+    tolerance: f64,
+) -> Ended {
     let within = ended.error * (1.0 + tolerance).powi(2);
     // the climb to the smallest net has been through the others
     let (limit, smaller) = match prepared.config.size {
         Size::Smallest { target } => (within.max(target * target), None),
         Size::Hidden(_) => (within, search::smaller(prepared, &ended.shape, within)),
     };
-    let ended = smaller.map_or(ended, |(net, stop)| Ended::of(net, stop));
+    let ended = match smaller {
+        Some((net, stop)) => {
+            history.clone_from(&net.history);
+            Ended::of(net, stop)
+        }
+        None => ended,
+    };
     let net = Net {
         shape: ended.shape,
         weights: ended.weights,

@@ -52,6 +52,7 @@ fn too_large() {
     let [large, small] = [None, Some(0.2)].map(|prune| cell.fit(&given(prune)));
     assert_eq!(large.model.shape.sizes[1..], [20, 10, 3]);
     let error = |fit: &rrf_train::CellFit| cell.error(&fit.model, y);
+    assert_eq!(small.report.history.len(), small.metrics.iterations);
     assert!(small.metrics.weights <= 24, "{:?}", small.model.shape.sizes);
     assert!(
         error(&small) < 0.01,
