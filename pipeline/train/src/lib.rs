@@ -55,6 +55,7 @@ mod search;
 pub mod simd;
 pub mod spill;
 mod streamed;
+mod tangent;
 pub mod tile;
 mod warm;
 

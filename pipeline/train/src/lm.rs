@@ -23,6 +23,18 @@ pub trait Problem {
     /// Fixes the weights s at w where they depend on it, fills JᵀWJ and JᵀWr, returns D(w).
     fn linearise(&mut self, w: &[f64], normal: &mut Normal) -> f64;
 
+    /// [`Problem::linearise`] without the matrix: fills JᵀWr alone, returns D(w), and prepares
+    /// [`Problem::product`]; none where not supported.
+    fn gradient(&mut self, _w: &[f64], _out: &mut [f64]) -> Option<f64> {
+        None
+    }
+
+    /// JᵀWJ v at the weights of the last [`Problem::gradient`] into `out`; false where not
+    /// supported.
+    fn product(&mut self, _v: &[f64], _out: &mut [f64]) -> bool {
+        false
+    }
+
     /// The parameters that r depends on linearly: a range, moved by [`Problem::project`].
     fn linear(&self) -> std::ops::Range<usize> {
         0..0

@@ -6,6 +6,7 @@ use crate::curvature::second_derivative;
 use crate::linalg::Cholesky;
 use crate::lm::Problem;
 use crate::simd::TILE;
+use crate::tangent::Linearised;
 use crate::tile::{Rows, Tile};
 use rrf_field::net::Shape;
 
@@ -61,6 +62,7 @@ pub struct NetProblem<R: Rows> {
     sums: Accumulator,
     output_sums: Accumulator,
     gradient_sums: Accumulator,
+    linearised: Linearised,
     output: Normal,
     factor: Cholesky,
     /// 1 / max(luminance, floor) of each row, whole tiles.
@@ -85,6 +87,7 @@ impl<R: Rows> NetProblem<R> {
             sums: Accumulator::new(&tile, Precision::Double),
             output_sums: Accumulator::output_layer(&tile),
             gradient_sums: Accumulator::gradient(&tile),
+            linearised: Linearised::default(),
             output: Normal::zeros(shape.weights() - first),
             factor: Cholesky::default(),
             tile,
@@ -247,6 +250,27 @@ impl<R: Rows> Problem for NetProblem<R> {
         self.fresh = false;
         self.reweigh(sum);
         sum
+    }
+
+    fn gradient(&mut self, w: &[f64], out: &mut [f64]) -> Option<f64> {
+        let mut sum = 0.0;
+        self.linearised.begin(w);
+        for first in (0..self.rows.len()).step_by(TILE) {
+            self.load(first);
+            self.tile.forward(w);
+            self.renew(first);
+            sum += self.tile.residuals(&self.divisor[first..]);
+            self.linearised.note(&self.tile);
+        }
+        self.linearised.finish(out);
+        self.fresh = false;
+        self.reweigh(sum);
+        Some(sum)
+    }
+
+    fn product(&mut self, v: &[f64], out: &mut [f64]) -> bool {
+        self.linearised.product(&self.tile, v, out);
+        true
     }
 
     fn curvature(&mut self, w: &[f64], v: &[f64], out: &mut [f64]) -> bool {

@@ -96,6 +96,20 @@ fn structured_equals_dense() {
             close(&normal.matrix, &expected.matrix, 1e-12);
             close(&normal.gradient, &expected.gradient, 1e-12);
             close(&[cost, problem.cost(&w)], &[expected_cost; 2], 1e-12);
+            let mut problem =
+                NetProblem::new(&shape, &rows, 3 * count, loss).exponential(exponential);
+            let mut found = vec![0.0; w.len()];
+            let cost = problem.gradient(&w, &mut found).unwrap();
+            close(&[cost], &[expected_cost], 1e-12);
+            close(&found, &expected.gradient, 1e-12);
+            let v = made_up::weights(&shape, 4, 1.0);
+            let expected: Vec<f64> = (expected.matrix.chunks(w.len()))
+                .map(|row| row.iter().zip(&v).map(|(a, v)| a * v).sum())
+                .collect();
+            for _ in 0..2 {
+                assert!(problem.product(&v, &mut found));
+                close(&found, &expected, 1e-12);
+            }
         }
     }
 }

@@ -286,7 +286,7 @@ fn from_output(row: &[f64], s: &Lane, hidden: &[Lane], g: &mut [Lane]) {
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
-fn from_above(w: &[f64], above: &[Lane], hidden: &[Lane], g: &mut [Lane]) {
+pub(crate) fn from_above(w: &[f64], above: &[Lane], hidden: &[Lane], g: &mut [Lane]) {
     if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
         from_above_rows::<true>(w, above, hidden, g);
     } else {

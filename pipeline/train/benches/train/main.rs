@@ -142,6 +142,13 @@ fn iteration(c: &mut Criterion<CpuTime>) {
         b.iter(|| single.linearise(black_box(&w), &mut normal))
     });
     group.bench_function("cost", |b| b.iter(|| problem.cost(black_box(&w))));
+    let mut out = vec![0.0; w.len()];
+    group.bench_function("gradient", |b| {
+        b.iter(|| problem.gradient(black_box(&w), &mut out))
+    });
+    group.bench_function("product with the normal equations' matrix", |b| {
+        b.iter(|| problem.product(black_box(&w), &mut out))
+    });
     let mut lm = Levenberg::new(w.len(), LmConfig::default());
     group.bench_function("iteration", |b| {
         b.iter(|| {
