@@ -2,6 +2,7 @@
 
 use crate::blocks::Normal;
 use crate::checkpoint::{Reader, Words};
+use crate::conjugate::Recycled;
 use crate::evidence::{self, Evidence};
 use crate::linalg::Cholesky;
 use crate::lm::{LmConfig, Problem, Scaling, Stop};
@@ -32,8 +33,9 @@ pub struct Levenberg {
     pub normal: Normal,
     nu: f64,
     largest: f64,
-    scale: Vec<f64>,
-    factor: Cholesky,
+    pub(crate) scale: Vec<f64>,
+    pub(crate) factor: Cholesky,
+    pub(crate) recycled: Recycled,
 }
 
 impl Levenberg {
@@ -47,6 +49,7 @@ impl Levenberg {
             largest: 0.0,
             scale: vec![0.0; n],
             factor: Cholesky::default(),
+            recycled: Recycled::default(),
         }
     }
 
@@ -57,6 +60,9 @@ impl Levenberg {
         w: &mut [f64],
         alpha: f64,
     ) -> Result<Step, Stop> {
+        if let Some(step) = self.between(problem, w, alpha) {
+            return Ok(step);
+        }
         let data = problem.linearise(w, &mut self.normal);
         let before = data + alpha * squared(w);
         if !before.is_finite() {
@@ -92,7 +98,8 @@ impl Levenberg {
                 continue;
             }
             w.copy_from_slice(&trial);
-            self.lower(gain);
+            self.lower(gain, FALL);
+            self.recycled.begin();
             return Ok(Step {
                 before,
                 after,
@@ -109,12 +116,14 @@ impl Levenberg {
     pub fn settle(&mut self) {
         self.mu = self.mu.min(self.config.tau * self.largest);
         self.nu = 2.0;
+        self.recycled.forget();
     }
 
     /// Follows a change in the number of residuals.
     pub fn rescale_damping(&mut self, times: f64) {
         self.mu *= times;
         self.largest *= times;
+        self.recycled.forget();
     }
 
     /// Weight decay by the evidence, from the normal equations of the last step.
@@ -126,6 +135,7 @@ impl Levenberg {
         residuals: f64,
         overcount: f64,
     ) -> Option<Evidence> {
+        self.recycled.forget();
         let (factor, normal) = (&mut self.factor, &self.normal);
         evidence::update(factor, normal, alpha, w, data, residuals, overcount).ok()
     }
@@ -225,16 +235,19 @@ impl Levenberg {
         })
     }
 
-    fn raise(&mut self) {
+    pub(crate) fn raise(&mut self) {
         self.mu = (self.mu * self.nu).max(f64::MIN_POSITIVE);
         self.nu *= 2.0;
     }
 
-    fn lower(&mut self, gain: f64) {
-        self.mu *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+    pub(crate) fn lower(&mut self, gain: f64, least: f64) {
+        self.mu *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(least);
         self.nu = 2.0;
     }
 }
+
+/// Least factor of the damping from one step to the next.
+const FALL: f64 = 1.0 / 3.0;
 
 /// Σ w².
 pub(crate) fn squared(w: &[f64]) -> f64 {
@@ -256,6 +269,7 @@ impl Levenberg {
         w: &mut [f64],
         alpha: f64,
     ) -> usize {
+        self.recycled.forget();
         let mut promised = f64::INFINITY;
         for kept in 0..POLISH {
             let cost = problem.linearise(w, &mut self.normal) + alpha * squared(w);

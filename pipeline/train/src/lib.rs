@@ -6,7 +6,8 @@
 //! - [`tile`] runs a net over 128 rows at a time, [`blocks`] sums JᵀWJ from them without ever
 //!   forming J, on one matrix kernel ([`gemm`]) and a vectorised tanh ([`simd`]);
 //! - [`lm`] takes damped steps on any [`lm::Problem`], [`linalg`] factors;
-//!   other people's problems come in through [`dense`];
+//!   other people's problems come in through [`dense`]; `conjugate` steps without a new matrix, by
+//!   the products of `tangent`;
 //! - [`problem`] makes a net and its relative loss such a problem;
 //! - [`rows`] holds the rows in memory, or reads them again at each pass from a file where they
 //!   are too many ([`spill`]);
@@ -26,6 +27,7 @@ mod cell;
 pub mod checkpoint;
 pub mod chunk;
 pub mod config;
+mod conjugate;
 mod curvature;
 pub mod cut;
 pub mod dense;

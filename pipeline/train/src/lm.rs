@@ -2,7 +2,7 @@
 //!
 //! Levenberg 1944; Marquardt 1963; Hagan, Menhaj 1994 (for nets); Moré 1978 (scaling);
 //! Nielsen 1999, Madsen, Nielsen, Tingleff 2004 (damping by the gain ratio);
-//! Transtrum, Sethna 2012 (geodesic acceleration).
+//! Transtrum, Sethna 2012 (geodesic acceleration). Matrices can serve several steps: `conjugate.rs`.
 //!
 //! Minimised is F(w) = D(w) + α‖w‖², D = Σ s² r². With A = JᵀWJ and g = JᵀWr + α w the step
 //! solves (A + α I + μ S) δ = −g and the model promises to lower F by δᵀ(μ S δ − g).
@@ -129,12 +129,28 @@ pub struct LmConfig {
     pub separable: bool,
     /// Largest ratio of acceleration to velocity, 2‖a‖/‖v‖ ≤ this; 0 turns acceleration off.
     pub acceleration: f64,
+    /// Steps taken with one matrix JᵀWJ: all but the first of them solve for the step by
+    /// conjugate gradients with the first one's factor as preconditioner. 1 forms it anew for
+    /// each. Checkpoints leave the factor out: a fit taken up again begins with a new matrix.
+    #[serde(default = "one")]
+    pub reuse: usize,
+    /// Iterations of the conjugate gradients.
+    #[serde(default = "three")]
+    pub inner: usize,
     /// Stop where ‖g‖∞ is below this times the larger of 1 and F.
     pub gradient: f64,
     /// Stop where ‖δ‖ ≤ this (‖w‖ + this).
     pub step: f64,
     /// Stop where F falls by less than this share.
     pub cost: f64,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn three() -> usize {
+    3
 }
 
 impl Default for LmConfig {
@@ -145,6 +161,8 @@ impl Default for LmConfig {
             scaling: Scaling::Identity,
             separable: false,
             acceleration: 0.0,
+            reuse: one(),
+            inner: three(),
             gradient: 1e-12,
             step: 1e-12,
             cost: 1e-10,
