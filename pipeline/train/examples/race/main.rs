@@ -1,14 +1,15 @@
 //! Our side of `tests/peers/training.py`: a net fitted to a problem that others fit too.
 //!
 //! ```text
-//! cargo run --release -p rrf-train --example race -- PROBLEM STEPS [accelerate] [warm] [single]
+//! cargo run --release -p rrf-train --example race -- PROBLEM STEPS [accelerate] [warm] [single] [reuse=N] [inner=N]
 //! ```
 //!
 //! PROBLEM: little-endian, four i64 (rows trained on, rows kept back, inputs, weights), then f64:
 //! x `[rows, inputs]`, targets `[rows, 3]`, weights of the residuals `[rows, 3]`, first weights.
 //! `warm` takes the first steps on a quarter of the rows, as whole fits do; `single` multiplies JᵀJ from
-//! f32 numbers, as bakes do. Prints a line a step: CPU seconds so far, Σ (s (net − y))² over the rows
-//! trained on, the same over the rows kept back. The time for the last is not counted.
+//! f32 numbers, as bakes do; `reuse=N` takes N steps with one matrix, `inner=N` iterations each. Prints
+//! a line a step: CPU seconds so far, Σ (s (net − y))² over the rows trained on, the same over the
+//! rows kept back. The time for the last is not counted.
 
 use rrf_field::net::Shape;
 use rrf_train::lm::{Levenberg, Problem};
@@ -52,11 +53,20 @@ impl Rows for Part<'_> {
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [path, steps, modes @ ..] = args.as_slice() else {
-        return Err("usage: race PROBLEM STEPS [accelerate] [warm] [single]".into());
+        return Err(
+            "usage: race PROBLEM STEPS [accelerate] [warm] [single] [reuse=N] [inner=N]".into(),
+        );
     };
     let mut config = LmConfig::default();
     if modes.iter().any(|mode| mode == "accelerate") {
         config.acceleration = 0.75;
+    }
+    for mode in modes {
+        match mode.split_once('=') {
+            Some(("reuse", number)) => config.reuse = number.parse()?,
+            Some(("inner", number)) => config.inner = number.parse()?,
+            _ => {}
+        }
     }
     let bytes = std::fs::read(path)?;
     let (words, _) = bytes.as_chunks::<8>();
