@@ -7,6 +7,7 @@
 //! what they leave, the residual ϱ = −g − (A + αI + μS) δ, is in the promised fall,
 //! δᵀ(μSδ − g + ϱ).
 
+use crate::checkpoint::{Reader, Words};
 use crate::levenberg::{Levenberg, Step, squared};
 use crate::linalg::Cholesky;
 use crate::lm::Problem;
@@ -16,6 +17,8 @@ use crate::lm::Problem;
 pub(crate) struct Recycled {
     /// Steps taken with the factor; 0 where there is none to use.
     steps: usize,
+    /// What was added to the matrix's diagonal before it was factored.
+    pub added: Vec<f64>,
     pairs: Vec<Pair>,
 }
 
@@ -60,6 +63,46 @@ impl Recycled {
 }
 
 impl Levenberg {
+    /// What the last matrix leaves, the matrix in place of its factor.
+    pub(crate) fn write_recycled(&self, words: &mut Words) {
+        let recycled = &self.recycled;
+        if recycled.steps == 0 || recycled.steps >= self.config.reuse {
+            return words.push(0);
+        }
+        words.push(recycled.steps as u64);
+        words.floats(&self.normal.matrix);
+        words.floats(&recycled.added);
+        words.push(recycled.pairs.len() as u64);
+        for pair in &recycled.pairs {
+            words.floats(&pair.p);
+            words.floats(&pair.product);
+            words.float(pair.inverse);
+        }
+    }
+
+    /// Takes back what [`Levenberg::write_recycled`] wrote; none where it is of another problem.
+    pub(crate) fn read_recycled(&mut self, words: &mut Reader) -> Option<()> {
+        let n = self.scale.len();
+        self.recycled.steps = usize::try_from(words.take()?).ok()?;
+        if self.recycled.steps == 0 {
+            return Some(());
+        }
+        self.normal.matrix = words.floats(n * n)?;
+        self.recycled.added = words.floats(n)?;
+        let pair = |words: &mut Reader| {
+            Some(Pair {
+                p: words.floats(n)?,
+                product: words.floats(n)?,
+                inverse: words.float()?,
+            })
+        };
+        self.recycled.pairs = (0..words.take()?)
+            .map(|_| pair(words))
+            .collect::<Option<Vec<Pair>>>()?;
+        let (factor, normal) = (&mut self.factor, &self.normal);
+        factor.factor(&normal.matrix, &self.recycled.added).ok()
+    }
+
     /// A step from `w` without a new matrix; none where one is due, or where the step would not
     /// lower F.
     pub(crate) fn between(

@@ -184,6 +184,7 @@ impl Levenberg {
     ) -> Option<(Vec<f64>, f64)> {
         let add: Vec<f64> = self.scale.iter().map(|s| alpha + self.mu * s).collect();
         self.factor.factor(&self.normal.matrix, &add).ok()?;
+        self.recycled.added = add;
         let mut v: Vec<f64> = g.iter().map(|g| -g).collect();
         self.factor.solve(&mut v).ok()?;
         let promised: f64 = (v.iter().zip(g).zip(&self.scale))
@@ -221,18 +222,21 @@ impl Levenberg {
             words.float(x);
         }
         words.floats(&self.scale);
+        self.write_recycled(words);
     }
 
     /// The same with what [`Levenberg::write`] wrote; none where it is of another problem.
     pub(crate) fn read(&self, words: &mut Reader) -> Option<Levenberg> {
         let (mu, nu, largest) = (words.float()?, words.float()?, words.float()?);
-        Some(Levenberg {
+        let mut read = Levenberg {
             mu,
             nu,
             largest,
             scale: words.floats(self.scale.len())?,
             ..Levenberg::new(self.scale.len(), self.config)
-        })
+        };
+        read.read_recycled(words)?;
+        Some(read)
     }
 
     pub(crate) fn raise(&mut self) {

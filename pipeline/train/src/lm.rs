@@ -131,7 +131,7 @@ pub struct LmConfig {
     pub acceleration: f64,
     /// Steps taken with one matrix JᵀWJ: all but the first of them solve for the step by
     /// conjugate gradients with the first one's factor as preconditioner. 1 forms it anew for
-    /// each. Checkpoints leave the factor out: a fit taken up again begins with a new matrix.
+    /// each.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub reuse: usize,
     /// Iterations of the conjugate gradients.

@@ -195,6 +195,9 @@ fn a_fit_goes_on_from_any_of_its_states() {
             ..config()
         });
     }
+    let mut kept = config();
+    kept.lm.reuse = 4;
+    goes_on(&kept);
 }
 
 fn goes_on(config: &TrainConfig) {
