@@ -6,8 +6,9 @@ use crate::plan::RoundPlan;
 use crate::run::Run;
 use crate::seams::seams;
 use crate::task::{is_done, tasks};
+use crate::test_rows;
 use rrf_field::Field;
-use rrf_store::layout::fit_folder;
+use rrf_store::layout::{TEST, fit_folder};
 use rrf_store::model::{self, Domain, Fit, ModelTree};
 use rrf_store::parts::remove_part;
 use std::collections::BTreeSet;
@@ -35,11 +36,12 @@ pub fn commit(run: &Run, plan: &RoundPlan) -> Result<Judgement, BakeError> {
     for (node, cell) in tree.leaves().collect::<Vec<_>>() {
         tree.domains[node] = fits.get(cell as usize).and_then(|fit| fit.domain);
     }
-    let judgement = judge(plan, &fits);
+    let mut judgement = judge(plan, &fits);
     let spans: Vec<Option<Domain>> = fits.iter().map(|fit| fit.domain).collect();
     let (models, mut metrics): (Vec<_>, Vec<_>) =
         fits.into_iter().map(|fit| (fit.model, fit.metrics)).unzip();
     let field = Field::new(plan.tree.clone(), models)?;
+    judgement.test = test_rows::judge(run, plan, &field)?;
     let seams = seams(run, plan, &field, &spans)?;
     for (metrics, seams) in metrics.iter_mut().zip(seams) {
         metrics.seams = Some(seams);
@@ -75,12 +77,13 @@ fn remove_replaced(run: &Run, plan: &RoundPlan) -> Result<(), BakeError> {
     Ok(())
 }
 
-/// Cell and part of every part of a plan.
+/// Cell and part of every part of a plan, test rows included.
 pub(crate) fn places(plan: &RoundPlan) -> impl Iterator<Item = [u32; 2]> {
     let of = |cell: &crate::plan::CellPlan| {
         let id = cell.cell;
         let parts: Vec<[u32; 2]> = cell.parts.iter().map(|p| [id, p.part]).collect();
         parts
     };
-    plan.cells.iter().flat_map(of)
+    let tests = plan.tests.iter().map(|p| [TEST, p.part]);
+    plan.cells.iter().flat_map(of).chain(tests)
 }

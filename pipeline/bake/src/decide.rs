@@ -10,10 +10,11 @@ use crate::error::BakeError;
 use crate::experience::Experience;
 use crate::job::{Boxes, Shared};
 use crate::judge::{CellJudgement, Judgement};
-use crate::plan::{CellPlan, Earlier, PartPlan, RoundPlan, draw_parts};
+use crate::plan::{CellPlan, Earlier, MOST_ROWS, PartPlan, RoundPlan, draw_parts};
 use crate::remedy::{Action, Remedy, remedies_of};
 use crate::run::Run;
 use crate::task::cell_hashes;
+use crate::test_rows;
 use crate::trim::trimming;
 use rayon::prelude::*;
 use rrf_train::cut::Cut;
@@ -83,6 +84,11 @@ pub fn decide(
         };
         return Ok((next, Vec::new()));
     }
+    let (target, paths) = (f64::from(run.config.target), run.config.extract.paths);
+    if let Some(next) = test_rows::more(plan, paths, target, judgement) {
+        let known = known(run, plan)?.into_values().flatten();
+        return Ok((Next::Round(Box::new(next)), known.collect()));
+    }
     let possible = remedies(run, plan, judgement)?;
     let experience = Experience::of(run, plan, &judgement.cells)?;
     let remedies = chosen(&run.config, judgement, &possible, &experience);
@@ -102,6 +108,7 @@ pub fn decide(
             apply(&mut next, remedy, fit);
         }
     }
+    test_rows::keep_up(&mut next, paths, target, Some(judgement));
     Ok((Next::Round(Box::new(next)), possible))
 }
 
@@ -109,7 +116,7 @@ fn stop(config: &BakeConfig, plan: &RoundPlan, judgement: &Judgement) -> Option<
     let (error, se) = (judgement.relative_error, judgement.relative_error_se);
     if plan.trims.is_some() {
         plan.trims
-    } else if error + se <= f64::from(config.target) {
+    } else if judgement.meets(f64::from(config.target)) {
         Some(Stop::Target)
     } else if error <= HIDDEN * se {
         Some(Stop::Noise)
@@ -186,8 +193,9 @@ fn chosen(
     let mut best: Vec<Gain> = best.into_values().collect();
     best.sort_by(|a, b| rate(b).total_cmp(&rate(a)).then(a.1.cell.cmp(&b.1.cell)));
     let possible: f64 = best.iter().map(|(gain, _)| gain).sum();
-    let sought = AIM * f64::from(config.target).min(judgement.relative_error);
-    let wanted = (SHARE * possible).min(judgement.relative_error.powi(2) - sought.powi(2));
+    let (error, se) = judgement.error();
+    let sought = AIM * f64::from(config.target).min(error);
+    let wanted = (SHARE * possible).min((error + se).powi(2) - sought.powi(2));
     let mut gained = 0.0;
     let mut taken = Vec::new();
     for (gain, remedy) in best {
@@ -291,7 +299,7 @@ fn split(next: &mut RoundPlan, old: &CellPlan, remedy: &Remedy, cut: &Cut, left:
 fn draw(next: &mut RoundPlan, cell: &mut CellPlan, leaf: usize, rows: u32, paths: u32) {
     let first = cell.parts.iter().map(|p| p.part + 1).max().unwrap_or(0);
     if rows > 0 {
-        let drawn = draw_parts(&mut next.draws, leaf as u32, rows, paths, first);
+        let drawn = draw_parts(&mut next.draws, leaf as u32, rows, paths, first, MOST_ROWS);
         cell.parts.extend(drawn);
     }
 }

@@ -7,7 +7,9 @@ use crate::run::Run;
 use crate::task::{Stage, Task, cell_hashes};
 use rrf_field::columns;
 use rrf_field::tree::{Domain, Tree};
+use rrf_store::layout::cell_folder;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Tasks a file.
 pub const CHAPTER: usize = 256;
@@ -167,15 +169,14 @@ impl Job {
     /// # Errors
     /// [`BakeError::NoSuchCell`], [`BakeError::Plan`].
     pub fn of(plan: &RoundPlan, task: &Task) -> Result<Job, BakeError> {
-        let cell = plan.cells.get(task.cell as usize);
-        let cell = cell.ok_or(BakeError::NoSuchCell {
+        let cell = plan.cell(task.cell).ok_or(BakeError::NoSuchCell {
             cell: task.cell,
             last: plan.cells.len().saturating_sub(1) as u32,
         })?;
         Ok(Job {
             task: task.clone(),
             shared: Shared::of(plan),
-            of_cell: Boxes::new(&plan.tree).of_cell(plan, cell)?,
+            of_cell: Boxes::new(&plan.tree).of_cell(plan, &cell)?,
         })
     }
 
@@ -232,7 +233,8 @@ impl Job {
     /// what a worker on another machine needs.
     pub fn files(&self) -> Vec<String> {
         let (task, id) = (&self.task, self.task.cell);
-        let mut files = vec![format!("samples/cell={id:06}/")];
+        let parts_of = |cell| format!("{}/", cell_folder(Path::new(""), cell).display());
+        let mut files = vec![parts_of(id)];
         match task.stage {
             Stage::Train => {
                 let earlier = self.of_cell.plan.earlier.as_ref();
@@ -247,7 +249,7 @@ impl Job {
                 let from = parts
                     .filter(|p| Some(p.part) == task.part)
                     .filter_map(|p| p.from);
-                files.extend(from.map(|[cell, _]| format!("samples/cell={cell:06}/")));
+                files.extend(from.map(|[cell, _]| parts_of(cell)));
             }
         }
         files

@@ -1,6 +1,8 @@
-//! How good a run is: the model's own error on rows held out, Monte Carlo noise taken out.
+//! How good a run is: the model's own error on rows held out of its cells and on test rows, Monte Carlo noise taken
+//! out.
 
 use crate::plan::RoundPlan;
+use crate::test_rows::Tested;
 use rrf_store::model::Fit;
 use serde::{Deserialize, Serialize};
 
@@ -32,12 +34,31 @@ pub struct CellJudgement {
 /// Error of the whole: sqrt(mean((p−m)² / max(lum(m), ε)²)), ε = 5 % of the mean luminance.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judgement {
-    /// Relative error of the whole, 0 where the square came out negative.
+    /// Relative error of the whole on rows held out of the cells, 0 where the square came out negative.
     pub relative_error: f64,
     /// Its standard error.
     pub relative_error_se: f64,
+    /// The same on rows that nothing was chosen by; none where there are too few.
+    #[serde(default)]
+    pub test: Option<Tested>,
     /// The cells, by id.
     pub cells: Vec<CellJudgement>,
+}
+
+impl Judgement {
+    /// Relative error of the whole and its standard error: on test rows, or held-out ones where there are none.
+    pub fn error(&self) -> (f64, f64) {
+        match self.test {
+            Some(test) => (test.relative_error, test.relative_error_se),
+            None => (self.relative_error, self.relative_error_se),
+        }
+    }
+
+    /// Whether error and standard error together are within a target.
+    pub fn meets(&self, target: f64) -> bool {
+        let (error, se) = self.error();
+        error + se <= target
+    }
 }
 
 /// Weighs the cells by their measure.
@@ -84,6 +105,7 @@ pub(crate) fn judge(plan: &RoundPlan, fits: &[Fit]) -> Judgement {
     Judgement {
         relative_error,
         relative_error_se,
+        test: None,
         cells,
     }
 }

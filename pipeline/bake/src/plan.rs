@@ -1,10 +1,13 @@
 //! What one round of a bake has to do: `RUN/rounds/000/plan.json`.
 
 use crate::decide::Stop;
+use crate::test_rows;
 use rrf_extract::{Census, FirstPlan};
 use rrf_field::tree::Tree;
+use rrf_store::layout::TEST;
 use rrf_train::Size;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// A request for rows inside the box of a node of the tree, made once in a run. Nodes keep their
 /// ids when the tree grows.
@@ -72,6 +75,9 @@ pub struct RoundPlan {
     pub cells: Vec<CellPlan>,
     /// All draws of the run so far.
     pub draws: Vec<DrawPlan>,
+    /// Rows of the whole domain that only judge, by part.
+    #[serde(default)]
+    pub tests: Vec<PartPlan>,
     /// Which materials of the scene are Lambertian, by material id.
     pub lambert: Vec<bool>,
     /// Mean luminance of the indirect radiance, W/(sr m^2), from the plan's pilot.
@@ -101,16 +107,17 @@ impl RoundPlan {
         let cells = cells.map(|((cell, leaf), share)| CellPlan {
             cell,
             measure: share.measure,
-            parts: draw_parts(&mut draws, leaf as u32, share.rows, paths, 0),
+            parts: draw_parts(&mut draws, leaf as u32, share.rows, paths, 0, MOST_ROWS),
             size: size.clone(),
             fitted: 0,
             earlier: None,
             prune: None,
         });
-        RoundPlan {
+        let mut first = RoundPlan {
             round: 0,
             cells: cells.collect(),
             draws,
+            tests: Vec::new(),
             tree: plan.tree,
             lambert: plan.lambert,
             mean_luminance: plan.mean_luminance,
@@ -118,6 +125,16 @@ impl RoundPlan {
             path_seconds,
             census: plan.census,
             trims: None,
+        };
+        test_rows::keep_up(&mut first, paths, 0.0, None);
+        first
+    }
+
+    /// What the tasks of a cell, or of [`TEST`], are about.
+    pub(crate) fn cell(&self, cell: u32) -> Option<Cow<'_, CellPlan>> {
+        match cell {
+            TEST => Some(Cow::Owned(test_rows::as_cell(&self.tests))),
+            _ => self.cells.get(cell as usize).map(Cow::Borrowed),
         }
     }
 
@@ -132,13 +149,16 @@ impl RoundPlan {
         if let Some(draw) = self.draws.iter().find(|d| d.node as usize >= nodes) {
             return Err(format!("a draw in node {}, of {nodes}", draw.node));
         }
+        let drawn = |part: &PartPlan| (part.draw as usize) < self.draws.len();
+        if let Some(part) = self.tests.iter().find(|part| !drawn(part)) {
+            return Err(format!("test rows: draw {} is missing", part.draw));
+        }
         for (id, cell) in (0u32..).zip(&self.cells) {
             if cell.cell != id || !cell.measure.is_finite() || cell.fitted > self.round {
                 return Err(format!("cell {id}: id, measure or round is wrong"));
             }
-            let draws = self.draws.len();
-            if let Some(part) = cell.parts.iter().find(|p| p.draw as usize >= draws) {
-                return Err(format!("cell {id}: draw {}, of {draws}", part.draw));
+            if let Some(part) = cell.parts.iter().find(|part| !drawn(part)) {
+                return Err(format!("cell {id}: draw {} is missing", part.draw));
             }
         }
         Ok(())
@@ -148,15 +168,17 @@ impl RoundPlan {
 /// Rows of one draw at the most: bounds what a task holds in memory, whatever the run's size.
 pub(crate) const MOST_ROWS: u32 = 1 << 16;
 
-/// New draws of `rows` rows together inside a node's box, as parts from number `first` on.
+/// New draws of `rows` rows together inside a node's box, each of `most` rows at the most, as parts from
+/// number `first` on.
 pub(crate) fn draw_parts(
     draws: &mut Vec<DrawPlan>,
     node: u32,
     rows: u32,
     paths: u32,
     first: u32,
+    most: u32,
 ) -> Vec<PartPlan> {
-    let count = rows.div_ceil(MOST_ROWS).max(1);
+    let count = rows.div_ceil(most).max(1);
     let share = |i: u32| rows / count + u32::from(i < rows % count);
     (0..count)
         .map(|i| {

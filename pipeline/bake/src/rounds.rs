@@ -19,6 +19,7 @@ use crate::watch::{Halt, Watch};
 use crate::work::{Site, perform};
 use rrf_extract::Census;
 use rrf_store::layout::remove_unfinished;
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 /// Where a run stands.
@@ -145,7 +146,8 @@ fn finish(
     left: Option<Duration>,
 ) -> Result<(Judgement, Next), BakeError> {
     let start = Instant::now();
-    let judgement = commit(run, plan)?;
+    let (plan, judgement) = committed(run, plan)?;
+    let plan = plan.as_ref();
     let budget = match left {
         Some(left) => seconds::budget(run, plan, left)?,
         None => None,
@@ -168,6 +170,22 @@ fn finish(
     })?;
     seconds::add(run, plan.round, |s| &mut s.judge, start)?;
     Ok((judgement, next))
+}
+
+/// Commits a round. Trimmed nets that cost the whole its target, by rows that did not choose them, are taken back, the
+/// costliest half first.
+fn committed<'a>(
+    run: &Run,
+    plan: &'a RoundPlan,
+) -> Result<(Cow<'a, RoundPlan>, Judgement), BakeError> {
+    let mut plan = Cow::Borrowed(plan);
+    loop {
+        let judgement = commit(run, &plan)?;
+        match trim::taken_back(run, &plan, &judgement)? {
+            Some(fewer) => plan = Cow::Owned(fewer),
+            None => return Ok((plan, judgement)),
+        }
+    }
 }
 
 /// What rounds came to.

@@ -47,7 +47,7 @@ pub(crate) fn seams(
 }
 
 /// ε in radiance, as the trainer has it: where all is black, any positive number.
-fn epsilon(share: f64, mean_luminance: f32) -> f64 {
+pub(crate) fn epsilon(share: f64, mean_luminance: f32) -> f64 {
     match mean_luminance > 0.0 {
         true => share * f64::from(mean_luminance),
         false => 1.0,

@@ -9,8 +9,9 @@ use crate::error::BakeError;
 use crate::job::{Boxes, CHAPTER, Chapter, Entry, OfCell, Shared};
 use crate::plan::{CellPlan, DrawPlan, Earlier, PartPlan, RoundPlan};
 use crate::run::Run;
+use crate::test_rows;
 use rrf_extract::Region;
-use rrf_store::layout::fit_folder;
+use rrf_store::layout::{TEST, fit_folder};
 use rrf_store::task_table::TaskRow;
 use rrf_store::{model, parts};
 use rrf_train::TrainConfig;
@@ -43,7 +44,7 @@ pub struct Task {
     pub stage: Stage,
     /// Round that its output belongs to.
     pub round: u32,
-    /// For which cell.
+    /// For which cell; [`TEST`] for rows that only judge.
     pub cell: u32,
     /// Part number, of an extraction.
     pub part: Option<u32>,
@@ -60,7 +61,7 @@ pub struct Task {
 /// Program version: another one may compute other bits.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// All tasks of a round, extractions first, by cell and part. Those whose output stays from an
+/// All tasks of a round, extractions first, by cell and part, test rows after the cells'. Those whose output stays from an
 /// earlier round are among them, and done, unless it was lost.
 pub fn tasks(run: &Run, plan: &RoundPlan) -> Result<Vec<Task>, BakeError> {
     Ok(entries(run, plan)?.into_iter().map(|e| e.task).collect())
@@ -74,21 +75,7 @@ fn entries(run: &Run, plan: &RoundPlan) -> Result<Vec<Entry>, BakeError> {
     for cell in &plan.cells {
         let of_cell = boxes.of_cell(plan, cell)?;
         let (hashes, fit) = cell_hashes(run, &shared, &of_cell)?;
-        for (part, hash) in cell.parts.iter().zip(hashes) {
-            let (draw, _) = of_cell.draw(plan.round, part)?;
-            let task = Task {
-                stage: Stage::Extract,
-                round: plan.round,
-                cell: cell.cell,
-                part: Some(part.part),
-                hash,
-                seconds: cost::extract_seconds(part, draw, plan.path_seconds),
-                memory: cost::extract_memory(draw),
-                least_memory: cost::extract_memory(draw),
-            };
-            let of_cell = of_cell.clone();
-            extract.push(Entry { task, of_cell });
-        }
+        extract.append(&mut extractions(plan, &of_cell, hashes)?);
         let rows = rows.get(cell.cell as usize).copied().unwrap_or(0);
         let task = Task {
             stage: Stage::Train,
@@ -102,8 +89,37 @@ fn entries(run: &Run, plan: &RoundPlan) -> Result<Vec<Entry>, BakeError> {
         };
         train.push(Entry { task, of_cell });
     }
+    for part in &plan.tests {
+        let of_part = boxes.of_cell(plan, &test_rows::as_cell(&[*part]))?;
+        let (hashes, _) = cell_hashes(run, &shared, &of_part)?;
+        extract.append(&mut extractions(plan, &of_part, hashes)?);
+    }
     extract.append(&mut train);
     Ok(extract)
+}
+
+/// The extractions of a cell's parts.
+fn extractions(
+    plan: &RoundPlan,
+    of_cell: &OfCell,
+    hashes: Vec<String>,
+) -> Result<Vec<Entry>, BakeError> {
+    let entry = |(part, hash): (&PartPlan, String)| {
+        let (draw, _) = of_cell.draw(plan.round, part)?;
+        let task = Task {
+            stage: Stage::Extract,
+            round: plan.round,
+            cell: of_cell.plan.cell,
+            part: Some(part.part),
+            hash,
+            seconds: cost::extract_seconds(part, draw, plan.path_seconds),
+            memory: cost::extract_memory(draw),
+            least_memory: cost::extract_memory(draw),
+        };
+        let of_cell = of_cell.clone();
+        Ok(Entry { task, of_cell })
+    };
+    of_cell.plan.parts.iter().zip(hashes).map(entry).collect()
 }
 
 /// The tasks with what they need, in files that can be read alone.
@@ -128,7 +144,7 @@ pub(crate) fn task_rows(chapters: &[Chapter]) -> Vec<TaskRow> {
         task_id: id,
         stage: task.stage.name().into(),
         round: task.round,
-        cell_id: task.cell,
+        cell_id: (task.cell != TEST).then_some(task.cell),
         part: task.part,
         input_hash: task.hash.clone(),
         seconds: task.seconds,

@@ -17,6 +17,7 @@ use crate::plan::RoundPlan;
 use crate::run::Run;
 use crate::seconds;
 use crate::task::{Stage, cell_hashes, expected_rows, is_done, tasks};
+use std::collections::BTreeMap;
 
 /// Most time that it may take, as a share of what drawing all samples so far and a fit of each cell should take.
 const SHARE: f64 = 0.5;
@@ -82,23 +83,82 @@ pub(crate) fn trimmed_so_far(run: &Run, plan: &RoundPlan) -> Result<Option<Round
     let Some(before) = before else {
         return Ok(None);
     };
-    let mut so_far = plan.clone();
+    let mut cut_off = Vec::new();
     for task in tasks(run, plan)? {
-        if task.stage != Stage::Train || is_done(run, &task)? {
-            continue;
+        if task.stage == Stage::Train && !is_done(run, &task)? {
+            cut_off.push(task.cell);
         }
-        let cell = task.cell as usize;
-        if let (Some(cell), Some(old)) = (so_far.cells.get_mut(cell), before.cells.get(cell)) {
+    }
+    let so_far = as_before(plan, &before, &cut_off);
+    let some = so_far.cells.iter().any(|c| c.fitted == plan.round);
+    if some {
+        rewrite(run, &so_far)?;
+    }
+    Ok(some.then_some(so_far))
+}
+
+/// The plan of a round that trims without half of its cells, those whose error grew most, where the whole does not
+/// meet the target any more. None where it does, or nothing is left to take back.
+pub(crate) fn taken_back(
+    run: &Run,
+    plan: &RoundPlan,
+    judgement: &Judgement,
+) -> Result<Option<RoundPlan>, BakeError> {
+    let before = match (plan.trims, plan.round.checked_sub(1)) {
+        (Some(Stop::Target), Some(before)) if !judgement.meets(f64::from(run.config.target)) => {
+            before
+        }
+        _ => return Ok(None),
+    };
+    let (Some(before), Some(judged)) = (run.read_plan(before)?, run.read_judged(before)?) else {
+        return Ok(None);
+    };
+    let grown = grown(plan, &judged.judgement, judgement);
+    if grown.is_empty() {
+        return Ok(None);
+    }
+    let fewer = as_before(plan, &before, &grown[..grown.len().div_ceil(2)]);
+    rewrite(run, &fewer)?;
+    Ok(Some(fewer))
+}
+
+/// Cells that the round fitted anew, those that added most to the squared error of the whole first.
+fn grown(plan: &RoundPlan, before: &Judgement, after: &Judgement) -> Vec<u32> {
+    let was: BTreeMap<u32, f64> = (before.cells.iter())
+        .map(|c| (c.cell, c.square_error))
+        .collect();
+    let fitted = |cell: u32| {
+        let planned = plan.cells.get(cell as usize);
+        planned.is_some_and(|c| c.fitted == plan.round)
+    };
+    let mut grown: Vec<(f64, u32)> = (after.cells.iter())
+        .filter(|c| fitted(c.cell))
+        .map(|c| {
+            let was = was.get(&c.cell).copied().unwrap_or(0.0);
+            (c.measure * (c.square_error - was), c.cell)
+        })
+        .collect();
+    grown.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    grown.into_iter().map(|(_, cell)| cell).collect()
+}
+
+/// A plan in which some cells keep the fits that they had.
+fn as_before(plan: &RoundPlan, before: &RoundPlan, cells: &[u32]) -> RoundPlan {
+    let mut with = plan.clone();
+    for &cell in cells {
+        let cell = cell as usize;
+        if let (Some(cell), Some(old)) = (with.cells.get_mut(cell), before.cells.get(cell)) {
             cell.clone_from(old);
         }
     }
-    let some = so_far.cells.iter().any(|c| c.fitted == plan.round);
-    if some {
-        let took = seconds::read_seconds(run, plan.round)?;
-        run.write_plan(&so_far)?;
-        seconds::put(run, plan.round, took)?;
-    }
-    Ok(some.then_some(so_far))
+    with
+}
+
+/// Writes another plan of a round, whose time so far still counts.
+fn rewrite(run: &Run, plan: &RoundPlan) -> Result<(), BakeError> {
+    let took = seconds::read_seconds(run, plan.round)?;
+    run.write_plan(plan)?;
+    seconds::put(run, plan.round, took)
 }
 
 /// Seconds of one core that all samples and a first fit of each cell to them should take.
@@ -112,7 +172,7 @@ fn anew(config: &BakeConfig, plan: &RoundPlan, rows: &[u64]) -> f64 {
 
 /// A² − E².
 fn slack(judgement: &Judgement, target: f64) -> f64 {
-    let (error, se) = (judgement.relative_error, judgement.relative_error_se);
+    let (error, se) = judgement.error();
     if error <= 0.0 {
         return 0.0;
     }
@@ -136,6 +196,7 @@ mod tests {
         let judgement = Judgement {
             relative_error: 0.04,
             relative_error_se: 0.002,
+            test: None,
             cells: Vec::new(),
         };
         let slack = slack(&judgement, 0.05);

@@ -59,7 +59,7 @@ fn course(run: &Run) -> Result<String, ChartError> {
     if done.len() > 1 {
         let panels = rounds::panels(&[("this run".into(), done)], Some(target));
         out += &format!(
-            "<figure>{}<figcaption>Error on rows held out after each round, one standard error; \
+            "<figure>{}<figcaption>Error on test rows after each round, one standard error; \
              dashed, the target.</figcaption></figure>\n",
             draw::svg_panels(&panels)?
         );

@@ -7,7 +7,7 @@ use rrf_bake::{Judged, Run, Seconds, read_seconds};
 use std::path::{Path, PathBuf};
 
 /// What the vertical axis says.
-const ERROR: &str = "error on rows held out [%]";
+const ERROR: &str = "error on test rows [%]";
 
 /// What a run had spent after its last round so far.
 type Cost = fn(&[Round]) -> Option<f64>;
@@ -76,7 +76,8 @@ fn seconds(so_far: &[Round]) -> Option<f64> {
 fn points((name, rounds): &(String, Vec<Round>), cost: Cost) -> Vec<Point> {
     let point = |n: usize| {
         let judgement = &rounds.get(n)?.judged.judgement;
-        let error = 100.0 * judgement.relative_error;
+        let (error, se) = judgement.error();
+        let error = 100.0 * error;
         let cost = cost(rounds.get(..=n)?).filter(|c| *c > 0.0)?;
         (error > 0.0).then(|| Point {
             method: name.clone(),
@@ -88,7 +89,7 @@ fn points((name, rounds): &(String, Vec<Round>), cost: Cost) -> Vec<Point> {
             },
             error: Estimate {
                 mean: error,
-                se: 100.0 * judgement.relative_error_se,
+                se: 100.0 * se,
             },
             on_front: true,
         })
@@ -106,7 +107,7 @@ pub(crate) fn table(rounds: &[Round]) -> String {
                     .seconds
                     .map_or("–".into(), |s| format!("{:.1}", of(s)))
             };
-            let (error, se) = (judgement.relative_error, judgement.relative_error_se);
+            let (error, se) = judgement.error();
             vec![
                 round.judged.round.to_string(),
                 judgement.cells.len().to_string(),
@@ -130,7 +131,7 @@ pub(crate) fn table(rounds: &[Round]) -> String {
         "extraction [s]",
         "training [s]",
         "judging [s]",
-        "error held out",
+        "error on test rows",
         "and then",
     ];
     html::table(&heads, &lines)
@@ -174,7 +175,7 @@ pub fn write(folder: &Path, runs: &[PathBuf]) -> Result<Vec<PathBuf>, ChartError
         name: "rounds",
         title: "Error, round by round",
         about: "<p>Each point is the model after a round of a bake, its bar one standard error: \
-                the relative error on rows held out, Monte Carlo noise taken out; dashed, the \
+                the relative error on test rows, which nothing was chosen by, Monte Carlo noise taken out; dashed, the \
                 target. Hover for the round, drag to zoom, double-click to zoom out.</p>\n",
         below: &below,
     };

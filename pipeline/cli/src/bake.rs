@@ -196,6 +196,15 @@ pub fn print_judgement(judgement: &Judgement, target: f32) {
         .iter()
         .filter(|c| c.square_error > square)
         .count();
+    if let Some(test) = judgement.test {
+        println!(
+            "relative error: {:.2} % ± {:.2} % (target {:.2} %), on {} test rows that nothing was chosen by",
+            100.0 * test.relative_error,
+            100.0 * test.relative_error_se,
+            100.0 * target,
+            test.rows
+        );
+    }
     println!(
         "relative error on rows held out: {:.2} % ± {:.2} % (target {:.2} %); {} of {} cells miss it",
         100.0 * judgement.relative_error,

@@ -272,20 +272,23 @@ fn perform(job: &Job, watch: &Bars) -> Outcome {
     let seconds = start.elapsed().as_secs_f64();
     let run = job.folder.clone();
     match result {
-        Ok(ended) => Outcome {
-            run,
-            code: 0,
-            seconds,
-            relative_error: Some(ended.judgement.relative_error),
-            relative_error_se: Some(ended.judgement.relative_error_se),
-            message: format!(
-                "relative error {:.2} % ± {:.2} %, {} rounds, {}",
-                100.0 * ended.judgement.relative_error,
-                100.0 * ended.judgement.relative_error_se,
-                ended.rounds,
-                ended.stop.text()
-            ),
-        },
+        Ok(ended) => {
+            let (error, se) = ended.judgement.error();
+            Outcome {
+                run,
+                code: 0,
+                seconds,
+                relative_error: Some(error),
+                relative_error_se: Some(se),
+                message: format!(
+                    "relative error {:.2} % ± {:.2} %, {} rounds, {}",
+                    100.0 * error,
+                    100.0 * se,
+                    ended.rounds,
+                    ended.stop.text()
+                ),
+            }
+        }
         Err(error) => {
             let error = anyhow::Error::from(error);
             Outcome {

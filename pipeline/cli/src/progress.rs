@@ -86,11 +86,13 @@ impl Watch for Bars {
 
     fn judged(&self, round: u32, judgement: &Judgement) {
         if !self.quiet {
+            let (error, se) = judgement.error();
             println!(
-                "round {round}: {} cells, relative error {:.2} % ± {:.2} %",
+                "round {round}: {} cells, relative error {:.2} % ± {:.2} % (rows held out {:.2} %)",
                 judgement.cells.len(),
-                100.0 * judgement.relative_error,
-                100.0 * judgement.relative_error_se
+                100.0 * error,
+                100.0 * se,
+                100.0 * judgement.relative_error
             );
         }
     }

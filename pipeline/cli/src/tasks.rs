@@ -7,7 +7,7 @@ use crate::place::Place;
 use crate::scene;
 use rrf_bake::{BakeError, CHAPTER, Job, Next, RoundPlan, Run, Site, Stage, Task};
 use rrf_remote::is_url;
-use rrf_store::layout::task_table_path;
+use rrf_store::layout::{TEST, task_table_path};
 use rrf_store::task_table::{TaskRow, read_tasks};
 use rrf_trace::Tracer;
 use std::path::{Path, PathBuf};
@@ -155,10 +155,11 @@ pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
         }
     };
     if args.json {
-        let error = judgement.relative_error;
+        let (error, se) = judgement.error();
         let report = serde_json::json!({
             "round": plan.round, "ended": ended, "cells": judgement.cells.len(),
-            "relative_error": error, "relative_error_se": judgement.relative_error_se,
+            "relative_error": error, "relative_error_se": se,
+            "held_out_error": judgement.relative_error, "held_out_error_se": judgement.relative_error_se,
         });
         println!("{report}");
         return Ok(());
@@ -170,6 +171,7 @@ pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
 
 fn describe(task: &Task) -> String {
     match task.part {
+        Some(part) if task.cell == TEST => format!("extract test rows, part {part}"),
         Some(part) => format!("extract cell {} part {part}", task.cell),
         None => format!("train cell {}", task.cell),
     }

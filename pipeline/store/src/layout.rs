@@ -12,9 +12,15 @@ pub fn samples_folder(run: &Path) -> PathBuf {
     run.join("samples")
 }
 
+/// In place of a cell: rows of the whole domain that only judge, in a folder of their own.
+pub const TEST: u32 = u32::MAX;
+
 /// The folder of one cell's parts.
 pub fn cell_folder(run: &Path, cell: u32) -> PathBuf {
-    samples_folder(run).join(format!("cell={cell:06}"))
+    match cell {
+        TEST => run.join("test"),
+        _ => samples_folder(run).join(format!("cell={cell:06}")),
+    }
 }
 
 /// One part of one cell.

@@ -28,8 +28,8 @@ pub struct TaskRow {
     pub stage: String,
     /// Round that the output belongs to.
     pub round: u32,
-    /// The cell.
-    pub cell_id: u32,
+    /// The cell; none for rows of the whole domain that only judge.
+    pub cell_id: Option<u32>,
     /// Part that an extraction makes.
     pub part: Option<u32>,
     /// blake3 of everything that the output depends on.
@@ -51,6 +51,7 @@ pub fn write_tasks(path: &Path, rows: &[TaskRow], facts: &RunFacts) -> Result<()
     let texts = |get: fn(&TaskRow) -> &str| -> ArrayRef {
         Arc::new(StringArray::from_iter_values(rows.iter().map(get)))
     };
+    let cells: UInt32Array = rows.iter().map(|row| row.cell_id).collect();
     let parts: UInt32Array = rows.iter().map(|row| row.part).collect();
     let seconds = Float64Array::from_iter_values(rows.iter().map(|row| row.seconds));
     let memory = UInt64Array::from_iter_values(rows.iter().map(|row| row.memory));
@@ -58,7 +59,7 @@ pub fn write_tasks(path: &Path, rows: &[TaskRow], facts: &RunFacts) -> Result<()
         ("task_id", u32s(|row| row.task_id)),
         ("stage", texts(|row| &row.stage)),
         ("round", u32s(|row| row.round)),
-        ("cell_id", u32s(|row| row.cell_id)),
+        ("cell_id", Arc::new(cells) as _),
         ("part", Arc::new(parts) as _),
         ("input_hash", texts(|row| &row.input_hash)),
         (
@@ -104,11 +105,12 @@ pub fn read_tasks(path: &Path, facts: &RunFacts) -> Result<Vec<TaskRow>, StoreEr
 }
 
 fn rows(batch: &RecordBatch, source: &Source) -> Result<Vec<TaskRow>, StoreError> {
-    let [task_id, round, cell_id] =
-        ["task_id", "round", "cell_id"].map(|name| source.values::<UInt32Type>(batch, name));
-    let (task_id, round, cell_id) = (task_id?, round?, cell_id?);
+    let [task_id, round] =
+        ["task_id", "round"].map(|name| source.values::<UInt32Type>(batch, name));
+    let (task_id, round) = (task_id?, round?);
     let [stage, input_hash] = ["stage", "input_hash"].map(|name| texts(batch, source, name));
     let (stage, input_hash) = (stage?, input_hash?);
+    let cell_id = source.nullable::<UInt32Type>(batch, "cell_id")?;
     let part = source.nullable::<UInt32Type>(batch, "part")?;
     let seconds = source.values::<Float64Type>(batch, "seconds")?;
     let memory = source.values::<UInt64Type>(batch, "memory")?;
@@ -116,7 +118,7 @@ fn rows(batch: &RecordBatch, source: &Source) -> Result<Vec<TaskRow>, StoreError
         task_id: task_id[i],
         stage: stage.value(i).into(),
         round: round[i],
-        cell_id: cell_id[i],
+        cell_id: cell_id.is_valid(i).then(|| cell_id.value(i)),
         part: part.is_valid(i).then(|| part.value(i)),
         input_hash: input_hash.value(i).into(),
         seconds: seconds[i],

@@ -25,6 +25,7 @@ fn stops_where_it_should() {
         let judgement = Judgement {
             relative_error,
             relative_error_se,
+            test: None,
             cells: Vec::new(),
         };
         stop(&config, &plan, &judgement)
@@ -43,6 +44,7 @@ fn stops_where_it_should() {
     let judgement = Judgement {
         relative_error: 0.060,
         relative_error_se: 0.001,
+        test: None,
         cells: Vec::new(),
     };
     assert_eq!(stop(&config, &last, &judgement), Some(Stop::Target));
@@ -151,6 +153,7 @@ fn most_gain_a_second_first() {
     let judgement = Judgement {
         relative_error: 1.0,
         relative_error_se: 0.0,
+        test: None,
         cells: Vec::new(),
     };
     let split = || Action::Split {

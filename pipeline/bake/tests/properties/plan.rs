@@ -55,6 +55,7 @@ proptest! {
                 let made = RoundPlan {
                     cells: (0..tree.cells() as u32).map(cell).collect(),
                     draws: draws.iter().map(draw).collect(),
+                    tests: parts.iter().map(part).collect(),
                     tree: tree.clone(),
                     ..plan.clone()
                 };
@@ -66,7 +67,7 @@ proptest! {
                 prop_assert_eq!(made.check().is_ok(), sound);
                 if sound {
                     let tasks = tasks(run, &made).unwrap();
-                    prop_assert_eq!(tasks.len(), made.cells.len() * (1 + parts.len()));
+                    prop_assert_eq!(tasks.len(), made.cells.len() * (1 + parts.len()) + parts.len());
                     let hashes: BTreeSet<_> = tasks.iter().map(|task| &task.hash).collect();
                     let fits = tasks.iter().filter(|task| task.part.is_none()).count();
                     prop_assert_eq!(fits, made.cells.len());
