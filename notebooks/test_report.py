@@ -119,7 +119,7 @@ def test_rounds_of_runs(tmp_path):
     marks = [circle for circle in re.findall("<circle[^>]*>", svg) if 'r="6"' in circle]
     assert len(marks) == 3 * 3 + 2 and "two rounds" in svg
     for j in judged:
-        assert f"{100 * j['judgement']['relative_error']:.2f} ±" in page
+        assert f"{100 * j['judgement']['test']['relative_error']:.2f} ±" in page
     seconds = [json.loads(path.read_text()) for path in sorted(run.glob("rounds/*/seconds.json"))]
     assert len(seconds) == 2 and all(s["extract"] > 0 and s["train"] > 0 and s["judge"] > 0 for s in seconds)
     assert not re.search(OUTSIDE, page)

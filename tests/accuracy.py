@@ -131,7 +131,8 @@ def judge(name, args):
     held_out = judged["judgement"]
     print(f"\n{name}: {file}, light box {box}, target {target:.1%}")
     print(f"  stopped: {judged['stop']} after {len(rounds)} rounds, {len(held_out['cells'])} cells")
-    print(f"  held-out error  {held_out['relative_error']:.2%} ± {held_out['relative_error_se']:.2%}")
+    for what, found in (("test rows", held_out["test"]), ("held-out error", held_out)):
+        print(f"  {what:<15} {found['relative_error']:.2%} ± {found['relative_error_se']:.2%}")
     print(f"  bake            {seconds:.0f} s,  model {bytes_of(baked / 'model') / 1000:.0f} kB")
     if oracle:
         table = HERE / "data" / "oracle" / f"{oracle}.parquet"

@@ -49,7 +49,7 @@ PARTS = {"glossy": GLOSSY}
 
 
 def bake(args, name, scene, box, target, options):
-    """Error, standard error, cells and weights after each round of splits, and of the finished model."""
+    """Error on test rows, its standard error, cells and weights after each round of splits, and of the finished model."""
     folder = args.work / name
     if not (folder / "model" / "weights.arrow").exists():
         command = [args.rrf, "bake", HERE.parent / scene, "-o", folder, f"--light-box={box}", "-q"]
@@ -62,7 +62,7 @@ def bake(args, name, scene, box, target, options):
     found = [json.loads(path.read_text())["judgement"] for path in rounds]
     weights = [sum(cell["weights"] for cell in judged["cells"]) for judged in found]
     each = [
-        (judged["relative_error"], judged["relative_error_se"], len(judged["cells"]), count)
+        (judged["test"]["relative_error"], judged["test"]["relative_error_se"], len(judged["cells"]), count)
         for judged, count in zip(found, weights)
     ]
     return [row for row, trimmed in zip(each, trims) if not trimmed], each[-1]
@@ -85,7 +85,7 @@ def main():
         file, box, target, always = SCENES[scene][:4]
         whole, last = bake(args, scene, file, box, target, always)
         print(f"{scene}, target {target:.1%}, {len(whole)} rounds of splits\n")
-        print("| | held-out error | cells | weights | target |\n|---|---|---|---|---|")
+        print("| | error on test rows | cells | weights | target |\n|---|---|---|---|---|")
         row("the bake", last, target)
         row("before trimming", whole[-1], target)
         if len(whole) > 1:

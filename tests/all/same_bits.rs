@@ -31,6 +31,7 @@ fn one_thread_and_two() {
             "run.json",
             "samples/cell=000000/part-00000.parquet",
             "samples/cell=000001/part-00000.parquet",
+            "test/part-00000.parquet",
         ]
     );
     for ((name, one), ((_, two), (_, again))) in one.iter().zip(two.iter().zip(&again)) {

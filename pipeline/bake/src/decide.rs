@@ -85,7 +85,10 @@ pub fn decide(
         return Ok((next, Vec::new()));
     }
     let (target, paths) = (f64::from(run.config.target), run.config.extract.paths);
-    if let Some(next) = test_rows::more(plan, paths, target, judgement) {
+    // not in place of the last round that could help a cell
+    let rounds_left = plan.round + 2 < run.config.rounds;
+    let more = || test_rows::more(plan, paths, target, judgement);
+    if let Some(next) = rounds_left.then(more).flatten() {
         let known = known(run, plan)?.into_values().flatten();
         return Ok((Next::Round(Box::new(next)), known.collect()));
     }

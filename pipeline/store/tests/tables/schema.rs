@@ -12,7 +12,7 @@ const PINNED: [(Table, u32, &str); 10] = [
     (Table::Points, 1, "4cd9cd184fdab6a7"),
     (Table::Truth, 1, "57d96e5160c35bbc"),
     (Table::Answers, 1, "9d8867ae3a9e58f3"),
-    (Table::Tasks, 1, "c460b776afe5bca4"),
+    (Table::Tasks, 2, "1e13a503b7a07b05"),
     (Table::Results, 2, "2f45c5be5c2d66bb"),
     (Table::Steps, 1, "8955d1acd068e87a"),
 ];
