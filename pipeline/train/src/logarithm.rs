@@ -22,6 +22,10 @@ impl<R: Rows> Rows for Logarithms<R> {
         self.rows.len()
     }
 
+    fn held(&self) -> bool {
+        self.rows.held()
+    }
+
     fn load(&self, first: usize, batch: &mut Batch) {
         self.rows.load(first, batch);
         for row in 0..batch.rows {

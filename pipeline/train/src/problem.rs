@@ -254,7 +254,7 @@ impl<R: Rows> Problem for NetProblem<R> {
 
     fn gradient(&mut self, w: &[f64], out: &mut [f64]) -> Option<f64> {
         let mut sum = 0.0;
-        self.linearised.begin(w);
+        self.linearised.begin(w, self.rows.held());
         for first in (0..self.rows.len()).step_by(TILE) {
             self.load(first);
             self.tile.forward(w);
@@ -269,7 +269,18 @@ impl<R: Rows> Problem for NetProblem<R> {
     }
 
     fn product(&mut self, v: &[f64], out: &mut [f64]) -> bool {
-        self.linearised.product(&self.tile, v, out);
+        if self.rows.held() {
+            self.linearised.product(&self.tile, v, out);
+            return true;
+        }
+        self.linearised.restart();
+        for first in (0..self.rows.len()).step_by(TILE) {
+            self.load(first);
+            self.tile.forward(&self.linearised.w);
+            self.tile.residuals(&self.divisor[first..]);
+            self.linearised.product_of(&self.tile, v);
+        }
+        self.linearised.finish(out);
         true
     }
 

@@ -186,6 +186,10 @@ impl Rows for Part<'_> {
         self.end - self.first
     }
 
+    fn held(&self) -> bool {
+        matches!(self.of, CellRows::Held(_))
+    }
+
     fn load(&self, first: usize, batch: &mut Batch) {
         let first = self.first + first;
         match self.of {

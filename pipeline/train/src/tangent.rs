@@ -21,13 +21,15 @@ struct Kept {
     s: [Lane; CHANNELS],
 }
 
-/// A net linearised at some weights on all rows, as long as it is held in memory: 8 bytes a row
-/// for each input and unit.
+/// A net linearised at some weights on all rows. What a tile leaves behind is held in memory, 8 bytes
+/// a row for each input and unit, or, where rows are not, made again for each product.
 #[derive(Default)]
 pub(crate) struct Linearised {
-    w: Vec<f64>,
+    pub w: Vec<f64>,
+    /// One alone where tiles are made again.
     tiles: Vec<Kept>,
     used: usize,
+    holds: bool,
     /// Scalar products of each weight's two factors over the rows so far.
     sums: Vec<Eighths>,
     /// Derivatives of one layer's units: of the outputs' sums backwards, along v forwards.
@@ -36,8 +38,9 @@ pub(crate) struct Linearised {
 }
 
 impl Linearised {
-    /// Forgets the tiles; from here on those at weights `w` are noted.
-    pub fn begin(&mut self, w: &[f64]) {
+    /// Forgets the tiles; from here on those at weights `w` are noted, and held or not.
+    pub fn begin(&mut self, w: &[f64], holds: bool) {
+        self.holds = holds;
         self.w.clear();
         self.w.extend_from_slice(w);
         self.used = 0;
@@ -46,44 +49,64 @@ impl Linearised {
 
     /// Notes a tile after its forward pass and residuals, and adds its share of JᵀWr.
     pub fn note(&mut self, tile: &Tile) {
-        if self.used == self.tiles.len() {
-            let mut z = vec![tile.batch.x.clone()];
-            z.extend_from_slice(&tile.hidden);
-            self.tiles.push(Kept { z, s: tile.s });
-        } else {
-            let kept = &mut self.tiles[self.used];
-            kept.s = tile.s;
-            for (l, z) in kept.z.iter_mut().enumerate() {
-                z.copy_from_slice(tile.input_of(l));
-            }
-        }
+        let at = self.keep(tile);
         let mut u = tile.s;
         times(&mut u, &tile.r);
-        self.backward(tile, self.used, u);
-        self.used += 1;
+        self.backward(tile, at, u);
     }
 
-    /// The sums over all tiles since [`Linearised::begin`] or the last product.
+    /// Where a tile is kept.
+    fn keep(&mut self, tile: &Tile) -> usize {
+        let at = if self.holds { self.used } else { 0 };
+        match self.tiles.get_mut(at) {
+            Some(kept) => {
+                kept.s = tile.s;
+                for (l, z) in kept.z.iter_mut().enumerate() {
+                    z.copy_from_slice(tile.input_of(l));
+                }
+            }
+            None => {
+                let mut z = vec![tile.batch.x.clone()];
+                z.extend_from_slice(&tile.hidden);
+                self.tiles.push(Kept { z, s: tile.s });
+            }
+        }
+        self.used = at + 1;
+        at
+    }
+
+    /// The sums over all tiles since [`Linearised::begin`] or [`Linearised::restart`].
     pub fn finish(&self, out: &mut [f64]) {
         for (out, sums) in out.iter_mut().zip(&self.sums) {
             *out = sums.iter().sum();
         }
     }
 
-    /// JᵀWJ v of the tiles noted; `tile` tells the net's shape.
+    /// JᵀWJ v of the tiles held; `tile` tells the net's shape.
     pub fn product(&mut self, tile: &Tile, v: &[f64], out: &mut [f64]) {
         self.restart();
         for at in 0..self.used {
-            let mut u = self.forward(tile, at, v);
-            let s = self.tiles[at].s;
-            times(&mut u, &s);
-            times(&mut u, &s);
-            self.backward(tile, at, u);
+            self.add_product(tile, at, v);
         }
         self.finish(out);
     }
 
-    fn restart(&mut self) {
+    /// Adds the share that a tile, made again, has of a product.
+    pub fn product_of(&mut self, tile: &Tile, v: &[f64]) {
+        let at = self.keep(tile);
+        self.add_product(tile, at, v);
+    }
+
+    fn add_product(&mut self, tile: &Tile, at: usize, v: &[f64]) {
+        let mut u = self.forward(tile, at, v);
+        let s = self.tiles[at].s;
+        times(&mut u, &s);
+        times(&mut u, &s);
+        self.backward(tile, at, u);
+    }
+
+    /// Forgets the sums.
+    pub fn restart(&mut self) {
         self.sums.clear();
         self.sums.resize(self.w.len(), [0.0; 8]);
     }

@@ -59,6 +59,10 @@ pub trait Rows {
     }
     /// Loads up to [`TILE`] rows from row `first` on into a cleared batch.
     fn load(&self, first: usize, batch: &mut Batch);
+    /// Whether they are few enough to be held in memory, with what a pass makes of each.
+    fn held(&self) -> bool {
+        true
+    }
 }
 
 impl<R: Rows> Rows for &R {
@@ -68,6 +72,10 @@ impl<R: Rows> Rows for &R {
 
     fn load(&self, first: usize, batch: &mut Batch) {
         (*self).load(first, batch);
+    }
+
+    fn held(&self) -> bool {
+        (*self).held()
     }
 }
 

@@ -97,12 +97,13 @@ fn config() -> TrainConfig {
 #[test]
 fn a_file_of_rows_gives_the_bits_of_rows_in_memory() {
     let cell = cell(0.02);
-    for divide_base in [false, true] {
-        let config = TrainConfig {
+    for (divide_base, reuse) in [(false, 1), (true, 1), (true, 4)] {
+        let mut config = TrainConfig {
             divide_base,
             mean_luminance: None,
             ..config()
         };
+        config.lm.reuse = reuse;
         let held = fit_from(kept(None), 0, samples(&cell), &config).unwrap();
         assert_eq!(held.metrics.quarantined_rows, 2);
         for rows in [ROWS, 1000] {
