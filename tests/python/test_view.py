@@ -41,7 +41,7 @@ def baked(tmp_path_factory):
         return run
     run = tmp_path_factory.mktemp("view") / "run"
     scene = ROOT / "scenes/cornell-box/scene.pbrt"
-    size = ["--rows", "2000", "--cells", "2", "--paths", "4"]
+    size = ["--rows", "2000", "--cells", "2", "--paths", "4", "--rounds", "2"]
     subprocess.run(
         [RRF, "bake", "-q", scene, "-o", run, f"--light-box={LIGHT_BOX}", *size],
         check=True,

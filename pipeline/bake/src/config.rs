@@ -2,7 +2,7 @@
 
 use rrf_extract::{ExtractConfig, Region, Weights};
 use rrf_scene::{LightUnits, LoadOptions};
-use rrf_train::{Precision, TrainConfig};
+use rrf_train::{LmConfig, Precision, TrainConfig};
 use serde::{Deserialize, Serialize};
 
 /// How much work a bake does.
@@ -78,6 +78,10 @@ impl BakeConfig {
                 lambert_without,
                 exponential: true,
                 precision: Precision::Single,
+                lm: LmConfig {
+                    reuse: 4,
+                    ..LmConfig::default()
+                },
                 ..TrainConfig::default()
             },
         }

@@ -35,7 +35,7 @@ const VARYING_INPUTS: usize = 16;
 /// Bytes of a row as it is drawn, traced and written.
 const DRAWN_ROW: u64 = 600;
 /// Bytes of a row as it is read and trained on.
-const TRAINED_ROW: u64 = 500;
+const TRAINED_ROW: u64 = 900;
 /// Bytes of a row of a part as it is read: the file, its columns, the table.
 const READ_ROW: u64 = 300;
 /// Bytes that a task needs whatever its rows.

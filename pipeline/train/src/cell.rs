@@ -79,7 +79,8 @@ impl<'a> Prospect<'a> {
         let config = self.config;
         let divide_base = config.divide_base;
         let (train, all) = (uses.train.len(), uses.train.len() + uses.validation.len());
-        let (inputs, unvaried) = prepare::scale_inputs(&self.ids, &raw, 0..train, divide_base);
+        let (told, ids) = prepare::told_by_place(self.ids, &raw, 0..train);
+        let (inputs, unvaried) = prepare::scale_inputs(&ids, &raw, 0..train, divide_base);
         let floor = floor(&raw, all, config);
         let judged = if train == 0 { 0..all } else { 0..train };
         let output =
@@ -107,7 +108,7 @@ impl<'a> Prospect<'a> {
             stream: self.stream,
             report: FitReport {
                 quarantined: uses.quarantined,
-                dropped_inputs: [self.dropped, unvaried].concat(),
+                dropped_inputs: [self.dropped, told, unvaried].concat(),
                 ..FitReport::default()
             },
             earlier: None,

@@ -45,6 +45,7 @@ pub mod lm;
 mod logarithm;
 pub mod online;
 mod ordered;
+mod place;
 pub mod prepare;
 pub mod problem;
 mod products;
