@@ -10,7 +10,7 @@ the medians are kept, step by step. Every program ends after its steps or SECOND
   ours          examples/race of rrf-train
   accelerated   the same with geodesic acceleration
   warm          the same, its first 12 steps on a quarter of the rows; also with JᵀJ multiplied from f32
-  as bakes      that without acceleration
+  plain; f32    that without acceleration
   matrices kept that with a new matrix each eighth step, conjugate gradients between; also accelerated
   numpy LM      Jacobian by backpropagation, gemm, Cholesky, damping times or over ten
   scipy lm      scipy.optimize.least_squares(method="lm"), MINPACK, the same analytic Jacobian
@@ -293,7 +293,7 @@ PROGRAMS = {
     "accelerated": lambda task: ours(task, "accelerate"),
     "warm": lambda task: ours(task, "accelerate", "warm"),
     "warm; f32 products": lambda task: ours(task, "accelerate", "warm", "single"),
-    "as bakes": lambda task: ours(task, "warm", "single"),
+    "plain; f32": lambda task: ours(task, "warm", "single"),
     # most steps take a quarter of a full one's time
     "matrices kept": lambda task: ours(task, "warm", "single", "reuse=8", steps=3 * STEPS),
     "accelerated; kept": lambda task: ours(task, "accelerate", "warm", "single", "reuse=8", steps=3 * STEPS),
