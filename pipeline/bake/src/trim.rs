@@ -22,8 +22,9 @@ use std::collections::BTreeMap;
 /// Most time that it may take, as a share of what drawing all samples so far and a fit of each cell should take.
 const SHARE: f64 = 0.5;
 
-/// Share of the time left that it is to take.
-const CAREFUL: f64 = 0.8;
+/// Times the time left that it may be said to take: where nets give little it takes two fifths of what is said,
+/// and of a round that the time limit cuts off stays what is done.
+const HOPEFUL: f64 = 2.0;
 
 /// The round, or none where there is nothing to lose or no time.
 pub(crate) fn trimming(
@@ -41,7 +42,7 @@ pub(crate) fn trimming(
     let slack = slack(judgement, f64::from(config.target));
     let rows = expected_rows(plan);
     let most = SHARE * anew(config, plan, &rows);
-    let most = budget.map_or(most, |budget| most.min(CAREFUL * budget));
+    let most = budget.map_or(most, |budget| most.min(HOPEFUL * budget));
     // the largest nets first, where time is short
     let mut cells: Vec<_> = judgement.cells.iter().collect();
     cells.sort_by(|a, b| b.weights.cmp(&a.weights).then(a.cell.cmp(&b.cell)));
