@@ -30,7 +30,7 @@ fn nets_lose_what_the_target_can_spare() {
     let of = |run: &str, more: &[&str]| {
         let bake = ["bake", &scene, "-o", run, "--light-box", OVERHEAD];
         let size = ["--rows", "16000", "--cells", "4", "--paths", "64"];
-        done(&[&bake[..], &size, &["--target", "0.3"], more].concat())
+        done(&[&bake[..], &size, &["--target", "0.35"], more].concat())
     };
     let said = of(&small, &[]);
     assert!(said.out.contains("the target is reached"), "{said:#?}");
@@ -39,8 +39,8 @@ fn nets_lose_what_the_target_can_spare() {
     assert_eq!((trimmed.len(), whole.len()), (2, 1));
     assert_eq!(trimmed[0], whole[0]);
     let (before, (error, se, weights)) = (trimmed[0], trimmed[1]);
-    assert!(before.0 + before.1 < 0.25, "nothing to spare: {before:?}");
-    assert!(error + se <= 0.3, "{error} ± {se}");
+    assert!(before.0 + before.1 < 0.3, "nothing to spare: {before:?}");
+    assert!(error + se <= 0.35, "{error} ± {se}");
     assert!(weights < before.2 / 2, "{weights} of {} left", before.2);
 
     // cut off by a time limit before the last of its fits, the round keeps those that are done
@@ -57,5 +57,5 @@ fn nets_lose_what_the_target_can_spare() {
     assert_eq!((cut_off.len(), cut_off[0]), (2, trimmed[0]));
     let (left, all) = (cut_off[1].2, trimmed[0].2);
     assert!(weights < left && left < all, "{weights} < {left} < {all}");
-    assert!(cut_off[1].0 + cut_off[1].1 <= 0.3, "{:?}", cut_off[1]);
+    assert!(cut_off[1].0 + cut_off[1].1 <= 0.35, "{:?}", cut_off[1]);
 }

@@ -49,10 +49,10 @@ impl BakeConfig {
             Preset::Standard => (8, 50_000, 128, 32, 1000),
             Preset::Fine => (32, 300_000, 128, 48, 4096),
         };
-        let lambert_without = match preset {
-            // its cells are large
-            Preset::Preview => Vec::new(),
-            _ => WAY_TO_LIGHT.map(String::from).to_vec(),
+        let small_cells = preset != Preset::Preview;
+        let lambert_without = match small_cells {
+            true => WAY_TO_LIGHT.map(String::from).to_vec(),
+            false => Vec::new(),
         };
         BakeConfig {
             preset,
@@ -76,6 +76,7 @@ impl BakeConfig {
             train: TrainConfig {
                 seed,
                 lambert_without,
+                normal_by_place: small_cells,
                 exponential: true,
                 precision: Precision::Single,
                 lm: LmConfig {

@@ -79,7 +79,10 @@ impl<'a> Prospect<'a> {
         let config = self.config;
         let divide_base = config.divide_base;
         let (train, all) = (uses.train.len(), uses.train.len() + uses.validation.len());
-        let (told, ids) = prepare::told_by_place(self.ids, &raw, 0..train);
+        let (told, ids) = match config.normal_by_place {
+            true => prepare::told_by_place(self.ids, &raw, 0..train),
+            false => (Vec::new(), self.ids),
+        };
         let (inputs, unvaried) = prepare::scale_inputs(&ids, &raw, 0..train, divide_base);
         let floor = floor(&raw, all, config);
         let judged = if train == 0 { 0..all } else { 0..train };

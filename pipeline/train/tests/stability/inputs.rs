@@ -38,6 +38,45 @@ fn an_input_of_a_few_odd_rows_is_dropped() {
     }
 }
 
+/// Two planes that meet, and the two sides of one: where the place tells the normal, a cell that is to do without it does.
+#[test]
+fn a_normal_that_the_place_tells_is_dropped() {
+    for (sides, by_place, dropped) in [
+        (false, true, true),
+        (false, false, false),
+        (true, true, false),
+    ] {
+        let mut cell = Cell::new(3000, 0.02, smooth);
+        let first: Vec<bool> = match sides {
+            true => (0..3000).map(|i| i % 2 == 0).collect(),
+            false => cell.column("px").iter().map(|x| *x < 0.0).collect(),
+        };
+        let along = |on: bool| {
+            first
+                .iter()
+                .map(|f| f32::from(*f == on))
+                .collect::<Vec<f32>>()
+        };
+        (*cell.column("nx"), *cell.column("nz")) = (along(true), along(false));
+        let folded = cell.column("px").clone();
+        if !sides {
+            // the part of negative x stands upright
+            *cell.column("pz") = folded.iter().map(|x| (-x).max(0.0)).collect();
+            cell.column("px").iter_mut().for_each(|x| *x = x.max(0.0));
+        }
+        let mut config = cells::config();
+        config.inputs.extend(["pz", "nx", "nz"].map(String::from));
+        config.normal_by_place = by_place;
+        let fit = cell.fit(&config);
+        let names = cells::names(&fit.report.dropped_inputs);
+        assert_eq!(
+            names.contains(&"nx"),
+            dropped,
+            "{sides}, {by_place}: {names:?}"
+        );
+    }
+}
+
 /// 2^40 = 1.1e12, a power of two: the scaled inputs are the same numbers, so is the net.
 /// (A vector's coordinates go together: beside one of 1e12 another of 1 counts as rounding.)
 #[test]
