@@ -76,7 +76,7 @@ impl BakeConfig {
             train: TrainConfig {
                 seed,
                 lambert_without,
-                normal_by_place: small_cells,
+                told_by_place: small_cells,
                 exponential: true,
                 precision: Precision::Single,
                 lm: LmConfig {

@@ -146,7 +146,7 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> anyhow::Result<BakeConfig> 
     if let Some(inputs) = &args.inputs {
         config.train.inputs.clone_from(inputs);
         config.train.lambert_without.clear();
-        config.train.normal_by_place = false;
+        config.train.told_by_place = false;
     }
     Ok(config)
 }

@@ -53,7 +53,7 @@ pub fn set(config: &mut BakeConfig, args: &BakeSettings, scene: &Scene) -> Resul
         }
     }
     config.train.lambert_without.clear();
-    config.train.normal_by_place = false;
+    config.train.told_by_place = false;
     config.rounds = 1;
     Ok(())
 }

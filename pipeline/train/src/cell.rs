@@ -79,7 +79,7 @@ impl<'a> Prospect<'a> {
         let config = self.config;
         let divide_base = config.divide_base;
         let (train, all) = (uses.train.len(), uses.train.len() + uses.validation.len());
-        let (told, ids) = match config.normal_by_place {
+        let (told, ids) = match config.told_by_place {
             true => prepare::told_by_place(self.ids, &raw, 0..train),
             false => (Vec::new(), self.ids),
         };

@@ -78,9 +78,10 @@ pub struct TrainConfig {
     /// Those of them that Lambertian cells do without.
     #[serde(default)]
     pub lambert_without: Vec<String>,
-    /// Cells do without the normal where the place of a point tells it. Large cells, of many planes, are better with it.
+    /// Cells do without the normal and without the material where the place of a point tells them. Large cells, of many
+    /// planes, are better with the normal.
     #[serde(default)]
-    pub normal_by_place: bool,
+    pub told_by_place: bool,
     /// Nets, or what they are compared with.
     #[serde(default, skip_serializing_if = "Kind::is_net")]
     pub kind: Kind,
@@ -160,7 +161,7 @@ impl Default for TrainConfig {
             seed: 1,
             inputs: inputs.map(String::from).to_vec(),
             lambert_without: Vec::new(),
-            normal_by_place: false,
+            told_by_place: false,
             kind: Kind::Net,
             size: Size::Hidden(vec![20, 10]),
             prune: None,

@@ -1,46 +1,87 @@
-//! Whether the place of a point tells its normal: a net that reads p then has no use for n.
+//! Whether the place of a point tells its normal, or its material: a net that reads p then has no use for them.
 //!
-//! It does on planes, where they meet, and on smooth surfaces. It does not on the two sides of a thin
-//! wall, nor where normals change within the distance of neighbouring rows.
+//! It tells the normal on planes, where they meet, and on smooth surfaces, but not on the two sides of a thin
+//! wall, nor where normals change within the distance of neighbouring rows. It tells the material where
+//! objects of one each meet, but not on a texture.
 
 use crate::ordered::Ordered;
 use rrf_field::columns;
 use std::ops::Range;
+
+/// What a place may tell, as raw columns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum What {
+    Normal,
+    Material,
+}
+
+type Row = [f32; columns::COUNT];
 
 /// Rows looked at, the first in their random order, and how many of them are asked.
 const ROWS: usize = 4096;
 const ASKED: usize = 256;
 /// Cosine of the angle within which two normals count as one.
 const ALONE: f32 = 0.97;
-/// Share of the rows whose nearest neighbour may have another normal: on two planes that meet those along the
-/// edge do, on the two sides of a wall every other one.
-const STRAY: f64 = 0.1;
+/// Difference within which two materials count as one, in each number.
+const ALIKE: f32 = 0.02;
 
-/// Whether the nearest of a row's neighbours has its normal, in nine of ten rows.
-pub(crate) fn tells_normal(rows: &Ordered, train: Range<usize>) -> bool {
-    let mut known = Vec::with_capacity(ROWS);
-    rows.each(
-        train.start..train.end.min(train.start + ROWS),
-        |chunk, rows| {
-            let vec3 = |first, row| chunk.columns.vec3(first, row);
-            known.extend(rows.map(|row| [vec3(columns::P, row), vec3(columns::N, row)]));
-        },
-    );
-    let asked = ASKED.min(known.len());
-    let strays = (0..asked).filter(|&row| strays(&known, row)).count();
-    known.len() > 1 && strays as f64 <= STRAY * asked as f64
+impl What {
+    /// Raw columns that say it.
+    pub fn columns(self) -> Range<usize> {
+        match self {
+            What::Normal => columns::N..columns::V,
+            What::Material => columns::BASE..columns::COUNT,
+        }
+    }
+
+    /// Share of the rows whose nearest neighbour may have another one. Where two planes meet those along the edge
+    /// do, on the two sides of a wall every other row. A net follows an edge, but not the tiles of a texture,
+    /// whose edges may be few rows as well.
+    fn strays(self) -> f64 {
+        match self {
+            What::Normal => 0.1,
+            What::Material => 0.02,
+        }
+    }
+
+    fn same(self, a: &Row, b: &Row) -> bool {
+        let mut pairs = a
+            .iter()
+            .zip(b)
+            .take(self.columns().end)
+            .skip(self.columns().start);
+        match self {
+            What::Normal => pairs.map(|(a, b)| a * b).sum::<f32>() >= ALONE,
+            What::Material => pairs.all(|(a, b)| (a - b).abs() <= ALIKE),
+        }
+    }
 }
 
-/// Whether the row nearest to one has another normal.
-fn strays(known: &[[[f32; 3]; 2]], row: usize) -> bool {
-    let Some([p, n]) = known.get(row) else {
+/// Whether the nearest of a row's neighbours has what it has, but for a few strays.
+pub(crate) fn tells(what: What, rows: &Ordered, train: Range<usize>) -> bool {
+    let mut known: Vec<Row> = Vec::with_capacity(ROWS);
+    let first = train.start..train.end.min(train.start + ROWS);
+    rows.each(first, |chunk, rows| {
+        known.extend(rows.map(|row| chunk.columns.row(row)));
+    });
+    let asked = ASKED.min(known.len());
+    let strays = (0..asked).filter(|&row| strays(what, &known, row)).count();
+    known.len() > 1 && strays as f64 <= what.strays() * asked as f64
+}
+
+/// Whether the row nearest to one has another.
+fn strays(what: What, known: &[Row], row: usize) -> bool {
+    let Some(here) = known.get(row) else {
         return true;
     };
-    let distance = |q: &[f32; 3]| (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f32>();
+    let place = columns::P..columns::N;
+    let distance = |there: &Row| -> f32 {
+        let pairs = here.iter().zip(there).take(place.end).skip(place.start);
+        pairs.map(|(a, b)| (a - b).powi(2)).sum()
+    };
     let others = known.iter().enumerate().filter(|(other, _)| *other != row);
-    let nearest = others.min_by(|(_, [a, _]), (_, [b, _])| distance(a).total_cmp(&distance(b)));
-    let cosine = |m: &[f32; 3]| (0..3).map(|c| n[c] * m[c]).sum::<f32>();
-    nearest.is_none_or(|(_, [_, m])| cosine(m) < ALONE)
+    let nearest = others.min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
+    nearest.is_none_or(|(_, nearest)| !what.same(here, nearest))
 }
 
 #[cfg(test)]
@@ -51,7 +92,17 @@ mod tests {
     use rrf_field::columns::Columns;
 
     /// Rows of a surface that is given by two random numbers and a coin.
-    fn tells(count: usize, at: impl Fn([f64; 2], bool) -> [[f64; 3]; 2]) -> bool {
+    fn tells_normal(count: usize, at: impl Fn([f64; 2], bool) -> [[f64; 3]; 2]) -> bool {
+        let base = |p: [f64; 3]| p[0];
+        told(What::Normal, count, at, base)
+    }
+
+    fn told(
+        what: What,
+        count: usize,
+        at: impl Fn([f64; 2], bool) -> [[f64; 3]; 2],
+        base: impl Fn([f64; 3]) -> f64,
+    ) -> bool {
         let mut columns = Columns::default();
         for row in 0..count {
             let u = |d| uniform(3, row as u64, d);
@@ -61,11 +112,12 @@ mod tests {
                 values[columns::P + c] = p[c] as f32;
                 values[columns::N + c] = n[c] as f32;
             }
+            values[columns::BASE] = base(p) as f32;
             columns.push(values);
         }
         let halves = [(); 2].map(|()| vec![[1.0; 3]; count]);
         let rows = Ordered::Held(Box::new(Chunk { columns, halves }));
-        tells_normal(&rows, 0..count)
+        tells(what, &rows, 0..count)
     }
 
     #[test]
@@ -74,8 +126,8 @@ mod tests {
             true => [[s + 1.0, t, 0.0], [0.0, 0.0, 1.0]],
             false => [[0.0, t, s + 1.0], [1.0, 0.0, 0.0]],
         };
-        assert!(tells(6000, edge));
-        assert!(tells(500, edge));
+        assert!(tells_normal(6000, edge));
+        assert!(tells_normal(500, edge));
     }
 
     #[test]
@@ -87,8 +139,8 @@ mod tests {
                 [n.map(|n| radius * n), n]
             }
         };
-        assert!(tells(4000, ball(0.3)));
-        assert!(!tells(40, ball(0.3)), "too few rows to tell");
+        assert!(tells_normal(4000, ball(0.3)));
+        assert!(!tells_normal(40, ball(0.3)), "too few rows to tell");
     }
 
     /// Thinner than the distance of neighbours, and thicker.
@@ -100,14 +152,27 @@ mod tests {
                 false => [[s, t, 0.0], [0.0, 0.0, -1.0]],
             }
         };
-        assert!(!tells(4000, wall(0.0)));
-        assert!(!tells(4000, wall(0.01)));
-        assert!(tells(4000, wall(0.1)));
+        assert!(!tells_normal(4000, wall(0.0)));
+        assert!(!tells_normal(4000, wall(0.01)));
+        assert!(tells_normal(4000, wall(0.1)));
     }
 
     #[test]
     fn a_row_alone_tells_nothing() {
         let one = |_: [f64; 2], _: bool| [[0.0; 3], [0.0, 0.0, 1.0]];
-        assert!(!tells(0, one) && !tells(1, one));
+        assert!(!tells_normal(0, one) && !tells_normal(1, one));
+    }
+
+    /// Two objects side by side, tiles, a gradient, and noise.
+    #[test]
+    fn materials() {
+        let plane = |[s, t]: [f64; 2], _: bool| [[s, t, 0.0], [0.0, 0.0, 1.0]];
+        let tells = |base: fn([f64; 3]) -> f64| told(What::Material, 6000, plane, base);
+        assert!(tells(|p| if p[0] < 0.3 { 0.2 } else { 0.8 }));
+        assert!(tells(|p| 0.5 + 0.3 * p[1]));
+        assert!(!tells(
+            |p| ((8.0 * p[0]).floor() + (8.0 * p[1]).floor()).rem_euclid(2.0)
+        ));
+        assert!(!tells(|p| (1e4 * p[0]).fract().abs()));
     }
 }

@@ -3,7 +3,7 @@
 use crate::config::TrainConfig;
 use crate::error::TrainError;
 use crate::ordered::Ordered;
-use crate::place;
+use crate::place::{self, What};
 use crate::tile::CHANNELS;
 use rrf_field::columns::{self, Columns};
 use rrf_field::model::{self, INPUTS};
@@ -84,19 +84,24 @@ pub(crate) fn choose_inputs(config: &TrainConfig) -> Result<(Vec<u8>, Vec<u8>), 
         .partition(|&id| !config.divide_base || (matters_to_lambert(id) && !spared(config, id))))
 }
 
-/// The normal, where it is asked for beside a place that tells it, and the inputs that are left.
+/// Normal and material, where they are asked for beside a place that tells them, and the inputs that are left.
 pub(crate) fn told_by_place(
     ids: Vec<u8>,
     rows: &Ordered,
     train: Range<usize>,
 ) -> (Vec<u8>, Vec<u8>) {
-    let normal = |id: &u8| (columns::N..columns::V).contains(&usize::from(*id));
     let whole_place = (columns::P..columns::N).all(|c| ids.contains(&(c as u8)));
-    if whole_place && ids.iter().any(normal) && place::tells_normal(rows, train) {
-        ids.into_iter().partition(normal)
-    } else {
-        (Vec::new(), ids)
-    }
+    let told: Vec<What> = [What::Normal, What::Material]
+        .into_iter()
+        .filter(|what| {
+            let asked_for = |id: &u8| what.columns().contains(&usize::from(*id));
+            whole_place && ids.iter().any(asked_for) && place::tells(*what, rows, train.clone())
+        })
+        .collect();
+    ids.into_iter().partition(|&id| {
+        told.iter()
+            .any(|what| what.columns().contains(&usize::from(id)))
+    })
 }
 
 fn spared(config: &TrainConfig, id: u8) -> bool {

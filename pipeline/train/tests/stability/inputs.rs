@@ -66,7 +66,7 @@ fn a_normal_that_the_place_tells_is_dropped() {
         }
         let mut config = cells::config();
         config.inputs.extend(["pz", "nx", "nz"].map(String::from));
-        config.normal_by_place = by_place;
+        config.told_by_place = by_place;
         let fit = cell.fit(&config);
         let names = cells::names(&fit.report.dropped_inputs);
         assert_eq!(
