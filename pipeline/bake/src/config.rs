@@ -50,10 +50,22 @@ impl BakeConfig {
             Preset::Fine => (32, 300_000, 128, 48, 4096),
         };
         let small_cells = preset != Preset::Preview;
-        let lambert_without = match small_cells {
-            true => WAY_TO_LIGHT.map(String::from).to_vec(),
-            false => Vec::new(),
+        let mut train = TrainConfig {
+            seed,
+            told_by_place: small_cells,
+            exponential: true,
+            precision: Precision::Single,
+            lm: LmConfig {
+                reuse: 4,
+                ..LmConfig::default()
+            },
+            ..TrainConfig::default()
         };
+        if small_cells {
+            train
+                .inputs
+                .retain(|name| !WAY_TO_LIGHT.contains(&name.as_str()));
+        }
         BakeConfig {
             preset,
             target: 0.05,
@@ -73,18 +85,7 @@ impl BakeConfig {
                 paths,
                 weights: Weights::default(),
             },
-            train: TrainConfig {
-                seed,
-                lambert_without,
-                told_by_place: small_cells,
-                exponential: true,
-                precision: Precision::Single,
-                lm: LmConfig {
-                    reuse: 4,
-                    ..LmConfig::default()
-                },
-                ..TrainConfig::default()
-            },
+            train,
         }
     }
 
@@ -97,6 +98,6 @@ impl BakeConfig {
     }
 }
 
-/// In cells as small as splits make them a net has these from the point and the light; they hardly earn
-/// their keep but where highlights depend on them (docs/accuracy.md).
+/// In cells as small as splits make them a net has these from the point and the light; they do not earn
+/// their keep (docs/accuracy.md).
 const WAY_TO_LIGHT: [&str; 4] = ["dx", "dy", "dz", "inv_distance"];

@@ -145,7 +145,6 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> anyhow::Result<BakeConfig> 
     method::set(&mut config, args, scene)?;
     if let Some(inputs) = &args.inputs {
         config.train.inputs.clone_from(inputs);
-        config.train.lambert_without.clear();
         config.train.told_by_place = false;
     }
     Ok(config)

@@ -4,7 +4,7 @@ use crate::args::{BakeSettings, Hidden, Method};
 use crate::failure::BadInput;
 use rrf_bake::BakeConfig;
 use rrf_scene::{MaterialKind, Scene};
-use rrf_train::{Kind, Size};
+use rrf_train::{Kind, Size, TrainConfig};
 
 /// Hidden units of the net that stands for the whole scene.
 const GLOBAL_NET: [usize; 2] = [32, 16];
@@ -16,6 +16,9 @@ const GLOBAL_NET: [usize; 2] = [32, 16];
 pub fn set(config: &mut BakeConfig, args: &BakeSettings, scene: &Scene) -> Result<(), BadInput> {
     if let Some(Hidden(units)) = &args.hidden {
         config.train.size = Size::Hidden(units.clone());
+    }
+    if !matches!(args.method, Method::Nets | Method::LinearOutputs) {
+        all_inputs(config);
     }
     match args.method {
         Method::Nets => return Ok(()),
@@ -52,10 +55,14 @@ pub fn set(config: &mut BakeConfig, args: &BakeSettings, scene: &Scene) -> Resul
             config.train.inputs = rrf_field::columns::NAMES.map(String::from).to_vec();
         }
     }
-    config.train.lambert_without.clear();
-    config.train.told_by_place = false;
     config.rounds = 1;
     Ok(())
+}
+
+/// Nets of large cells, and what is no net, have all that there is.
+fn all_inputs(config: &mut BakeConfig) {
+    config.train.inputs = TrainConfig::default().inputs;
+    config.train.told_by_place = false;
 }
 
 /// Probes know irradiance alone.

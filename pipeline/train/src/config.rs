@@ -75,9 +75,6 @@ pub struct TrainConfig {
     /// Inputs to consider, as names in `rrf_field::model::INPUTS`; those that do not vary in a
     /// cell are dropped.
     pub inputs: Vec<String>,
-    /// Those of them that Lambertian cells do without.
-    #[serde(default)]
-    pub lambert_without: Vec<String>,
     /// Cells do without the normal and without the material where the place of a point tells them. Large cells, of many
     /// planes, are better with the normal.
     #[serde(default)]
@@ -160,7 +157,6 @@ impl Default for TrainConfig {
         TrainConfig {
             seed: 1,
             inputs: inputs.map(String::from).to_vec(),
-            lambert_without: Vec::new(),
             told_by_place: false,
             kind: Kind::Net,
             size: Size::Hidden(vec![20, 10]),

@@ -81,7 +81,7 @@ pub(crate) fn choose_inputs(config: &TrainConfig) -> Result<(Vec<u8>, Vec<u8>), 
     let named = input_ids(config)?;
     Ok(named
         .into_iter()
-        .partition(|&id| !config.divide_base || (matters_to_lambert(id) && !spared(config, id))))
+        .partition(|&id| !config.divide_base || matters_to_lambert(id)))
 }
 
 /// Normal and material, where they are asked for beside a place that tells them, and the inputs that are left.
@@ -102,11 +102,6 @@ pub(crate) fn told_by_place(
         told.iter()
             .any(|what| what.columns().contains(&usize::from(id)))
     })
-}
-
-fn spared(config: &TrainConfig, id: u8) -> bool {
-    let name = INPUTS.get(usize::from(id));
-    name.is_some_and(|name| config.lambert_without.iter().any(|spared| spared == name))
 }
 
 fn input_ids(config: &TrainConfig) -> Result<Vec<u8>, TrainError> {
