@@ -7,8 +7,8 @@ of the next smaller size or without a group of inputs, beside nets fitted anew w
 error on test rows without it, with its standard error, is above the target, which is what ends a bake.
 
 --bakes makes whole bakes with other parts, those of whose names have one of the texts in them, in as many rounds of splits, untrimmed,
-within the row's time limit: smaller layers, fewer inputs, and what bakes do without (the normal, direction and distance to the light in
-Lambertian cells). Prints a table. Needs pyarrow.
+within the row's time limit: smaller layers, fewer inputs, and what bakes do without (the normal where the place tells it, direction and
+distance to the light). Prints a table. Needs pyarrow.
 """
 
 import argparse
@@ -44,17 +44,16 @@ LAMBERTIAN = LAYERS | {
     "no light": without(WAY + LIGHT),
     "direction and distance to the light as well": without([]),
 }
-# as many inputs as cells with glossy rows have
 GLOSSY = LAYERS | {
-    "no normal": without(NORMAL),
-    "no viewer": without(VIEWER),
-    "no direction and distance to the light": without(WAY),
+    "no normal": without(WAY + NORMAL),
+    "no viewer": without(WAY + VIEWER),
+    "direction and distance to the light as well": without([]),
 }
 PARTS = {"glossy": GLOSSY}
 # inputs that cells have, without glossy rows and with them
 GROUPS = [
     {"place": PLACE, "light": LIGHT},
-    {"place": PLACE, "light": LIGHT, "viewer": VIEWER, "material": MATERIAL, "direction and distance to the light": WAY},
+    {"place": PLACE, "light": LIGHT, "viewer": VIEWER, "normal and material": NORMAL + MATERIAL},
 ]
 
 
