@@ -18,6 +18,7 @@
 # table made by another renderer.
 
 # %%
+import math
 import tempfile
 from pathlib import Path
 
@@ -174,9 +175,9 @@ for fit in metrics.to_pylist():
     ax.plot(steps["step"], 100 * np.where(error > 0, error, np.nan), lw=1)
     fell.append(error[-1] < error[0])
 ax.set(yscale="log", xlabel="step", ylabel="held-out error [%]")
-# by chance half of the cells would: a sign test, 4 standard deviations
+# by chance half of the cells would: an exact sign test at one in a hundred
 print(f"the error fell in {sum(fell)} of {len(fell)} cells")
-assert sum(fell) > len(fell) / 2 + 4 * len(fell) ** 0.5 / 2 or sum(fell) == len(fell)
+assert sum(math.comb(len(fell), k) for k in range(sum(fell), len(fell) + 1)) < 0.01 * 2 ** len(fell)
 
 # %% [markdown]
 # ## Effective parameters
