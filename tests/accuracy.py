@@ -35,7 +35,7 @@ IN_HALL = [(17.5, 24.0), (-3.0, 0.5), (-19.3, -14.0)]
 # scene file, light box, target and further options of the bake, limit of the colour differences,
 # where eyes and what they look at are, table of the other renderer
 SCENES = {
-    "overhead": (CORNELL, OVERHEAD, 0.045, [], 1.0, ROOM, MIDDLE, "cornell_overhead"),
+    "overhead": (CORNELL, OVERHEAD, 0.05, [], 1.0, ROOM, MIDDLE, "cornell_overhead"),
     "free": (CORNELL, FREE, 0.055, ["--time-limit", 475], 1.0, ROOM, MIDDLE, "cornell_free"),
     "glossy": (GLOSSY, OVERHEAD, 0.072, ["--time-limit", 354, "--most-cells", 340], 1.5, ROOM, MIDDLE, "cornell_glossy"),
     "zdm2": (ZDM2, HALL, 0.05, [f"--eye-box={HALL}", "--time-limit", 1180], 2.0, IN_HALL, IN_HALL, None),

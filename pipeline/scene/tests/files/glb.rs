@@ -138,7 +138,7 @@ impl Glb {
     /// The message with which it is refused; it names the file.
     pub fn refused(&self) -> String {
         let message = self.load().unwrap_err().to_string();
-        assert!(message.contains("scene.glb: "), "{message}");
+        assert!(message.contains("scene.glb:"), "{message}");
         message
     }
 }
