@@ -1,4 +1,4 @@
-//! Rows that only judge, in `test/`: no fit sees them and no choice about a cell is made by them.
+//! Rows that only judge, in `test/`: no fit sees them and no choice of a cell is made by them.
 //!
 //! Rows held out of the cells choose weights, the cells that are left alone and what is trimmed, and with
 //! hundreds of cells that makes them kind to the model. When a bake ends is decided by these. They are drawn

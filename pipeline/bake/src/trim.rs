@@ -189,6 +189,53 @@ fn share(square_error: f64, slack: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::judge::CellJudgement;
+    use crate::plan::CellPlan;
+
+    /// A cell taken back, those fitted in this round only, what weighs most first; the rest of the plan stays.
+    #[test]
+    fn the_costliest_are_taken_back_first() {
+        let of = |squares: [f64; 4]| Judgement {
+            relative_error: 0.0,
+            relative_error_se: 0.0,
+            test: None,
+            cells: (0u32..)
+                .zip(squares)
+                .map(|(cell, square_error)| CellJudgement {
+                    cell,
+                    measure: [0.1, 0.2, 0.3, 0.4][cell as usize],
+                    square_error,
+                    square_error_se: 0.0,
+                    train_square_error: 0.0,
+                    noise: 0.0,
+                    train_rows: 0,
+                    effective_parameters: 0.0,
+                    rows: 0,
+                    weights: 0,
+                })
+                .collect(),
+        };
+        let mut before = crate::plan::one_cell(128);
+        let cell = before.cells[0].clone();
+        before.cells = (0..4)
+            .map(|id| CellPlan {
+                cell: id,
+                ..cell.clone()
+            })
+            .collect();
+        let mut plan = before.clone();
+        plan.round = 3;
+        for cell in &mut plan.cells[..3] {
+            (cell.fitted, cell.prune) = (3, Some(0.1));
+        }
+        // grown by 0.05, 0.04 and 0.03 of the whole's square; the last was not fitted
+        let grown = grown(&plan, &of([0.1; 4]), &of([0.6, 0.3, 0.2, 9.0]));
+        assert_eq!(grown, [0, 1, 2]);
+        let fewer = as_before(&plan, &before, &grown[..2]);
+        assert_eq!(fewer.cells[..2], before.cells[..2]);
+        assert_eq!(fewer.cells[2..], plan.cells[2..]);
+        assert_eq!(fewer.round, 3);
+    }
 
     /// Cells that lose all that they may bring the whole to where error and standard error, in
     /// proportion, meet the target.

@@ -132,10 +132,10 @@ pub struct LmConfig {
     /// Steps taken with one matrix JᵀWJ: all but the first of them solve for the step by
     /// conjugate gradients with the first one's factor as preconditioner. 1 forms it anew for
     /// each.
-    #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[serde(default = "one")]
     pub reuse: usize,
     /// Iterations of the conjugate gradients.
-    #[serde(default = "three", skip_serializing_if = "is_three")]
+    #[serde(default = "three")]
     pub inner: usize,
     /// Stop where ‖g‖∞ is below this times the larger of 1 and F.
     pub gradient: f64,
@@ -147,15 +147,6 @@ pub struct LmConfig {
 
 fn one() -> usize {
     1
-}
-
-/// Settings as they were before leave no trace in hashes of tasks.
-fn is_one(x: &usize) -> bool {
-    *x == one()
-}
-
-fn is_three(x: &usize) -> bool {
-    *x == three()
 }
 
 fn three() -> usize {
