@@ -38,7 +38,7 @@ pub struct Judgement {
     pub relative_error: f64,
     /// Its standard error.
     pub relative_error_se: f64,
-    /// The same on rows that nothing was chosen by; none where there are too few.
+    /// The same on rows that no net was fitted to; none where there are too few.
     #[serde(default)]
     pub test: Option<Tested>,
     /// The cells, by id.

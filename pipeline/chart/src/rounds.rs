@@ -175,7 +175,7 @@ pub fn write(folder: &Path, runs: &[PathBuf]) -> Result<Vec<PathBuf>, ChartError
         name: "rounds",
         title: "Error, round by round",
         about: "<p>Each point is the model after a round of a bake, its bar one standard error: \
-                the relative error on test rows, which nothing was chosen by, Monte Carlo noise taken out; dashed, the \
+                the relative error on test rows, which no net was fitted to, Monte Carlo noise taken out; dashed, the \
                 target. Hover for the round, drag to zoom, double-click to zoom out.</p>\n",
         below: &below,
     };

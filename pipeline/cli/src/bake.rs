@@ -198,7 +198,7 @@ pub fn print_judgement(judgement: &Judgement, target: f32) {
         .count();
     if let Some(test) = judgement.test {
         println!(
-            "relative error: {:.2} % ± {:.2} % (target {:.2} %), on {} test rows that nothing was chosen by",
+            "relative error: {:.2} % ± {:.2} % (target {:.2} %), on {} test rows, which no net was fitted to",
             100.0 * test.relative_error,
             100.0 * test.relative_error_se,
             100.0 * target,
