@@ -59,8 +59,8 @@ pub struct BakeSettings {
     /// Units of the nets' hidden layers, inputs side first, instead of 20,10.
     #[arg(long, value_name = "A[,B]", value_parser = parse_hidden)]
     pub hidden: Option<Hidden>,
-    /// Names of the nets' inputs, instead of position, normal, viewer, light, material, and (but for
-    /// Lambertian cells) direction and inverse distance to the light.
+    /// Names of the nets' inputs, instead of position, normal, viewer, light and material (in previews and
+    /// other methods direction and inverse distance to the light too), less those that others tell.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = parse_input)]
     pub inputs: Option<Vec<String>>,
     /// Go on with a run that was cut off; what is done stays.
