@@ -25,6 +25,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 matplotlib.use("Agg")
+matplotlib.rcParams["svg.hashsalt"] = "rrf"
 import matplotlib.pyplot as plt  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
