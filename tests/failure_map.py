@@ -46,7 +46,7 @@ CONSEQUENCES = """## What the program then does
 
 `bake` says that the target was missed and how many cells miss it, `metrics.arrow` and `rrf report` say which;
 `render` and the page of `rrf view` warn of a light that is nearer to a surface than 2.5 % of the light
-box's diagonal (0.07 m in the room above), outside the box, or inside a solid. Points outside what a cell was
+box's diagonal (0.07 m in the room above) or outside the box; `render` refuses one inside a solid (`--anyway`). Points outside what a cell was
 trained on, and those of cells with an error above `--trust-error` (50 %), are marked (`trusted`, layer `trust`);
 `render --fallback trace` path-traces such pixels, and `rrf trace` the whole frame. Sharp reflections are not for
 nets of this size: below a roughness of some 0.2, where a whole bake leaves 15 % and more, path-trace."""

@@ -1,7 +1,7 @@
 //! Mutates whole files of `fuzz/seeds` and reads them, on a stock compiler: what can be had of
 //! fuzzing without coverage. The targets are those of `fuzz/`; see `docs/fuzzing.md`.
 //!
-//!     cargo run --release -p rrf-bake --example mutate -- part 60 1
+//!     cargo run --release -p rrf-bake --example mutate -- parquet 60 1
 //!
 //! Arguments: target, seconds of this thread's CPU, seed. A panic or a crash leaves the input
 //! where the reader found it and ends the process.

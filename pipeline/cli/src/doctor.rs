@@ -1,4 +1,4 @@
-//! `rrf doctor`: what this machine offers, and a quick proof that the program works on it.
+//! `rrf doctor`: what this machine offers.
 
 use anyhow::Context;
 

@@ -126,7 +126,7 @@ impl Levenberg {
         self.recycled.forget();
     }
 
-    /// Weight decay by the evidence, from the normal equations of the last step.
+    /// Weight decay by the evidence, from the last normal equations that were made.
     pub fn evidence(
         &mut self,
         alpha: f64,

@@ -26,7 +26,7 @@ pub struct BakeArgs {
 #[derive(Args, Clone, Debug, Default)]
 pub struct Bounds {
     /// Begin no more work after this many seconds: the last round takes what should fit, and the model
-    /// of the last whole round stands.
+    /// of the last whole round stands; of a round that only makes nets smaller, what is done.
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub time_limit: Option<f32>,
     /// Memory that the work in hand may need: fewer tasks side by side.
@@ -56,11 +56,12 @@ pub struct BakeSettings {
     /// What each cell is fitted by: nets, or a baseline to compare them with.
     #[arg(long, value_enum, default_value_t = Method::Nets)]
     pub method: Method,
-    /// Units of the nets' hidden layers, inputs side first, instead of 20,10.
+    /// Units of the nets' hidden layers, inputs side first, instead of 20,10 (global-net: 32,16).
     #[arg(long, value_name = "A[,B]", value_parser = parse_hidden)]
     pub hidden: Option<Hidden>,
-    /// Names of the nets' inputs, instead of position, normal, viewer, light and material (in previews and
-    /// other methods direction and inverse distance to the light too), less those that others tell.
+    /// Names of the nets' inputs, all kept that vary and can matter, instead of position, normal, viewer, light
+    /// and material, less normal and material where the position tells them (previews, regressions and
+    /// global-net: all of these, and direction and inverse distance to the light).
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = parse_input)]
     pub inputs: Option<Vec<String>>,
     /// Go on with a run that was cut off; what is done stays.

@@ -27,7 +27,7 @@ pub struct Cli {
     pub quiet: bool,
 }
 
-/// Every subcommand. Add one: a variant here, its arguments below, its module beside this file.
+/// Every subcommand. Add one: a variant here, its arguments beside this file, its module and two lines in `cli/src/lib.rs`.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Load, plan, extract, train, judge: from a scene file to a run folder.
@@ -56,7 +56,7 @@ pub enum Command {
     Compare(CompareArgs),
     /// A dataset, a model, a sweep or a table at a glance.
     Inspect(Elsewhere),
-    /// Pareto fronts of error against time and size, of sweeps.
+    /// Error against time and size, of sweeps, or round by round, of runs.
     Chart(Elsewhere),
     /// Bake every setting of a grid and measure each run.
     Sweep(Elsewhere),
@@ -66,7 +66,7 @@ pub enum Command {
     Scene(SceneArgs),
     /// Look through a baked scene in a browser: move, drag lights, compare with the truth.
     View(PageArgs),
-    /// Check what this machine offers and whether the program works on it.
+    /// What this machine offers: threads, vector instructions, a temporary folder that can be written.
     Doctor(DoctorArgs),
 }
 
