@@ -118,7 +118,7 @@ impl Run {
         let gone: &[&str] = if same {
             &["model"]
         } else {
-            &["model", "samples", "rounds"]
+            &["model", "samples", "test", "rounds"]
         };
         for name in gone {
             remove_folder(&folder.join(name))?;
@@ -176,6 +176,7 @@ impl Run {
         }
         write_tasks(&path, &task_rows(&chapters), &self.facts())?;
         // of another plan of this round
+        remove_file(&self.round_file(plan.round, "judged.json"))?;
         remove_file(&crate::seconds::path(self, plan.round))?;
         write_json(&self.round_file(plan.round, "plan.json"), plan)
     }
@@ -242,6 +243,14 @@ impl Run {
             })
         };
         let found = &self.manifest;
+        // its tasks have other names, and its rows may be other rows
+        if found.created_by != asked.created_by {
+            return differ(
+                "program",
+                found.created_by.clone(),
+                asked.created_by.clone(),
+            );
+        }
         if found.scene_hash != asked.scene_hash {
             return differ("scene", found.scene_hash.clone(), asked.scene_hash.clone());
         }
@@ -260,16 +269,22 @@ impl Run {
 }
 
 /// Removes every round's plan and judgement, and the samples that the first round does not have:
-/// the plans are made anew, and what they ask for again is found done.
+/// the plans are made anew, and what they ask for again is found done. From the last round down, so that
+/// what is left of a removal cut off halfway is found again.
 fn retire_plans(folder: &Path) -> Result<(), BakeError> {
-    let mut first = None;
-    for round in 0.. {
-        let path = round_folder(folder, round).join("plan.json");
-        let Some(plan) = read_json::<RoundPlan>(&path)? else {
-            return Ok(());
-        };
-        let first = first.get_or_insert_with(|| places(&plan).collect::<BTreeSet<_>>());
-        for [cell, part] in places(&plan).filter(|place| !first.contains(place)) {
+    let read = |round: u32| read_json::<RoundPlan>(&round_folder(folder, round).join("plan.json"));
+    let Some(first) = read(0)? else {
+        return Ok(());
+    };
+    let first: BTreeSet<_> = places(&first).collect();
+    let mut rounds = 0;
+    while round_folder(folder, rounds).exists() {
+        rounds += 1;
+    }
+    for round in (0..rounds).rev() {
+        let plan = read(round)?;
+        let placed = plan.iter().flat_map(places);
+        for [cell, part] in placed.filter(|place| !first.contains(place)) {
             remove_part(folder, cell, part)?;
         }
         for name in ["judged.json", "tasks.parquet", "plan.json"] {

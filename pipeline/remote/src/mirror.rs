@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 use std::time::SystemTime;
 
-/// What changes: the files of the model, which later rounds replace, and the times of a round,
-/// which its stages add to. All others are written once.
+/// What changes: the files of the model, which later rounds replace, the times of a round, which its stages
+/// add to, and the plan of a round whose smaller nets are taken back. All others are written once.
 const MODEL: &str = "model/";
-const SECONDS: &str = "/seconds.json";
+const REPLACED: [&str; 3] = ["/seconds.json", "/tasks.parquet", "/plan.json"];
+const CHAPTERS: &str = "/tasks/";
 /// What a run's other files belong to.
 const MANIFEST: &str = "run.json";
 /// What marks a round as planned, trained or committed comes after what it speaks of.
@@ -139,7 +140,8 @@ impl Mirror {
 }
 
 fn changes(name: &str) -> bool {
-    name.starts_with(MODEL) || name.ends_with(SECONDS)
+    let replaced = REPLACED.iter().any(|end| name.ends_with(end));
+    replaced || name.starts_with(MODEL) || name.contains(CHAPTERS)
 }
 
 fn order(name: &str) -> usize {
@@ -238,6 +240,8 @@ mod tests {
         put(&a, "run.json", "{}");
         put(&a, "samples/cell=000000/part-00000.parquet", "rows");
         put(&a, "model/weights.arrow", "first");
+        put(&a, "rounds/000/plan.json", "all trimmed");
+        put(&a, "rounds/000/tasks/00000.json", "all trimmed");
         put(&a, "staging/x.0.tmp", "half");
         put(&a, "rounds/000/.plan.json.0.tmp", "half");
         a.push().unwrap();
@@ -248,15 +252,26 @@ mod tests {
         );
         assert_eq!(text(&b, "staging/x.0.tmp"), None);
         assert_eq!(text(&b, "rounds/000/.plan.json.0.tmp"), None);
-        // the model is replaced, a part that a round has taken apart goes
+        // the model is replaced, and a plan; a part that a round has taken apart goes
         put(&a, "model/weights.arrow", "second");
+        put(&a, "rounds/000/plan.json", "some taken back");
+        put(&a, "rounds/000/tasks/00000.json", "some taken back");
         fs::remove_file(a.folder().join("samples/cell=000000/part-00000.parquet")).unwrap();
         a.push().unwrap();
         b.pull().unwrap();
         assert_eq!(text(&b, "model/weights.arrow").unwrap(), "second");
+        for name in ["plan.json", "tasks/00000.json"] {
+            let plan = text(&b, &format!("rounds/000/{name}"));
+            assert_eq!(plan.unwrap(), "some taken back", "{name}");
+        }
         assert_eq!(
             b.remote.list().unwrap(),
-            ["model/weights.arrow", "run.json"]
+            [
+                "model/weights.arrow",
+                "rounds/000/plan.json",
+                "rounds/000/tasks/00000.json",
+                "run.json"
+            ]
         );
     }
 
