@@ -38,8 +38,13 @@ const DRAWN_ROW: u64 = 600;
 const TRAINED_ROW: u64 = 900;
 /// Bytes of a row of a part as it is read: the file, its columns, the table.
 const READ_ROW: u64 = 300;
-/// Bytes that a task needs whatever its rows.
+/// Bytes that a task needs whatever its rows: matrices of nets of some 700 weights among them.
 const BASE: u64 = 24 << 20;
+/// Square matrices of as many rows as a net has weights that a fit holds: JᵀWJ and its factor, those kept for
+/// further steps, and of a second beginning the same.
+const MATRICES: u64 = 6;
+/// What is left of [`BASE`] without them.
+const SMALL: u64 = 4 << 20;
 
 /// Seconds of one core that a path takes in a scene.
 pub(crate) fn path_seconds(tracer: &Tracer) -> f64 {
@@ -109,22 +114,42 @@ fn weights(inputs: usize, hidden: &[usize]) -> u64 {
 }
 
 /// Bytes at the most.
-pub(crate) fn train_memory(rows: u64) -> u64 {
-    BASE + rows * TRAINED_ROW
+pub(crate) fn train_memory(rows: u64, size: &Size, config: &TrainConfig) -> u64 {
+    base(size, config) + rows * TRAINED_ROW
 }
 
 /// The least that a fit can do with: its rows in a file, but for what is made of the rows themselves.
-pub(crate) fn least_memory(rows: u64, config: &TrainConfig) -> u64 {
-    match config.kind {
-        Kind::Nearest => train_memory(rows),
-        _ => spilled_memory(rows),
+pub(crate) fn least_memory(rows: u64, size: &Size, config: &TrainConfig) -> u64 {
+    let all = train_memory(rows, size, config);
+    if config.kind == Kind::Nearest {
+        return all;
     }
-}
-
-/// The same with the rows in a file: windows of it and a part as it is read, and then what stays in
-/// memory of every row.
-fn spilled_memory(rows: u64) -> u64 {
+    // windows of the file and a part as it is read, and then what stays in memory of every row
     let part = rows.min(u64::from(MOST_ROWS)) * READ_ROW;
     let held = (part + rows * spill::ORDERED_ROW).max(rows * spill::HELD_ROW);
-    train_memory(rows).min(BASE + spill::WINDOWS + held)
+    all.min(base(size, config) + spill::WINDOWS + held)
+}
+
+/// Whatever the rows.
+fn base(size: &Size, config: &TrainConfig) -> u64 {
+    let weights = some_weights(size, config);
+    let matrices = MATRICES * weights.saturating_mul(weights).saturating_mul(8);
+    BASE.max(SMALL + matrices)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A net of 20 and 10 units is covered by what every task has; the matrices of a wide one are counted.
+    #[test]
+    fn wide_nets_need_room_for_their_matrices() {
+        let config = TrainConfig::default();
+        let memory = |hidden: &[usize]| train_memory(0, &Size::Hidden(hidden.to_vec()), &config);
+        assert_eq!(memory(&[20, 10]), BASE);
+        let weights = weights(VARYING_INPUTS, &[128, 128]);
+        assert!(memory(&[128, 128]) >= 2 * weights * weights * 8);
+        let least = least_memory(1 << 20, &Size::Hidden(vec![128, 128]), &config);
+        assert!(least > memory(&[128, 128]));
+    }
 }

@@ -31,7 +31,7 @@ pub enum Stop {
     Rounds,
     /// Nothing is left to do about any cell.
     NothingToSplit,
-    /// The error cannot be told from zero by the rows held out.
+    /// The error cannot be told from zero.
     Noise,
     /// The time limit.
     Time,
@@ -42,7 +42,7 @@ impl Stop {
     pub fn text(self) -> &'static str {
         match self {
             Stop::Target => "the target is reached",
-            Stop::Rounds => "all rounds of the preset are done",
+            Stop::Rounds => "all rounds that it may take are done",
             Stop::NothingToSplit => "nothing is left that would help a cell",
             Stop::Noise => "the noise of the samples hides the error that is left",
             Stop::Time => "the time limit is reached",
@@ -64,11 +64,9 @@ pub enum Next {
 const SHARE: f64 = 0.5;
 /// Or until the whole should come to this share of the target: predictions are rough.
 const AIM: f64 = 0.95;
-/// Standard errors within which an error counts as zero.
-const HIDDEN: f64 = 2.0;
 
 /// Decides from files of the run alone, so that a resumed run decides the same; but the last round
-/// before a time limit takes no more than `budget`, in seconds as remedies count them. Gives the
+/// before a time limit takes no more than `budget`, in seconds as remedies count them, or one remedy. Gives the
 /// remedies of all cells that miss the target as well: those of cells that are left alone are good for
 /// the round after.
 pub fn decide(
@@ -116,12 +114,11 @@ pub fn decide(
 }
 
 fn stop(config: &BakeConfig, plan: &RoundPlan, judgement: &Judgement) -> Option<Stop> {
-    let (error, se) = (judgement.relative_error, judgement.relative_error_se);
     if plan.trims.is_some() {
         plan.trims
     } else if judgement.meets(f64::from(config.target)) {
         Some(Stop::Target)
-    } else if error <= HIDDEN * se {
+    } else if judgement.hidden() {
         Some(Stop::Noise)
     } else if plan.round + 1 >= config.rounds {
         Some(Stop::Rounds)
@@ -130,15 +127,19 @@ fn stop(config: &BakeConfig, plan: &RoundPlan, judgement: &Judgement) -> Option<
     }
 }
 
-/// All that could be done about the cells that miss the target; of cells that the round before left
-/// alone, what it found.
+/// All that could be done about the cells that miss the target, or about all that err where only the whole
+/// does; of cells that the round before left alone, what it found.
 fn remedies(run: &Run, plan: &RoundPlan, judgement: &Judgement) -> Result<Vec<Remedy>, BakeError> {
     let target = f64::from(run.config.target).powi(2);
-    let misses: Vec<&CellJudgement> = judgement
-        .cells
-        .iter()
-        .filter(|c| c.square_error > target)
-        .collect();
+    let beyond = |limit: f64| -> Vec<&CellJudgement> {
+        let cells = judgement.cells.iter();
+        cells.filter(|c| c.square_error > limit).collect()
+    };
+    let misses = match beyond(target) {
+        // rows held out are kinder than test rows
+        none if none.is_empty() => beyond(0.0),
+        some => some,
+    };
     let known = known(run, plan)?;
     let found = misses
         .into_par_iter()

@@ -78,6 +78,24 @@ impl OfCell {
             reason: format!("draw {} is missing", part.draw),
         })
     }
+
+    /// What the task that makes a part has to know: a cell of thousands of parts has as many of these.
+    pub fn of_part(&self, part: &PartPlan) -> OfCell {
+        let draws = self.draws.iter();
+        OfCell {
+            plan: CellPlan {
+                cell: self.plan.cell,
+                measure: self.plan.measure,
+                parts: vec![*part],
+                size: self.plan.size.clone(),
+                fitted: self.plan.fitted,
+                earlier: self.plan.earlier.clone(),
+                prune: self.plan.prune,
+            },
+            leaf: self.leaf.clone(),
+            draws: draws.filter(|d| d.0 == part.draw).cloned().collect(),
+        }
+    }
 }
 
 /// A box by its finite bounds: the column, whether it is the upper one, the bits of the number.

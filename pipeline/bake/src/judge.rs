@@ -4,6 +4,7 @@
 use crate::plan::RoundPlan;
 use crate::test_rows::Tested;
 use rrf_store::model::Fit;
+use rrf_train::halves::ErrorEstimate;
 use serde::{Deserialize, Serialize};
 
 /// Error of one cell.
@@ -54,11 +55,33 @@ impl Judgement {
         }
     }
 
-    /// Whether error and standard error together are within a target.
-    pub fn meets(&self, target: f64) -> bool {
-        let (error, se) = self.error();
-        error + se <= target
+    /// Whether neither rows held out nor test rows can tell the error from zero: the square is within its
+    /// standard error.
+    pub fn hidden(&self) -> bool {
+        let held_out = (self.relative_error, self.relative_error_se);
+        [held_out, self.error()].into_iter().all(|error| {
+            let (square, square_se) = square(error);
+            square <= square_se
+        })
     }
+
+    /// Whether the squared error and its standard error together are within that of a target.
+    pub fn meets(&self, target: f64) -> bool {
+        let (square, square_se) = square(self.error());
+        let judged = self.test.is_some() || !self.cells.is_empty();
+        judged && square + square_se <= target * target
+    }
+}
+
+/// The square of a relative error, 0 where it came out negative, and its standard error: as
+/// [`ErrorEstimate::relative_se`] has it, the other way around.
+fn square((error, se): (f64, f64)) -> (f64, f64) {
+    let square_se = if error > 0.0 {
+        2.0 * error * se
+    } else {
+        se * se
+    };
+    (error * error, square_se)
 }
 
 /// Weighs the cells by their measure.
@@ -95,16 +118,14 @@ pub(crate) fn judge(plan: &RoundPlan, fits: &[Fit]) -> Judgement {
         .iter()
         .map(|c| (c.measure * c.square_error_se / judged).powi(2))
         .sum();
-    let relative_error = square.max(0.0).sqrt();
-    // d sqrt(x) = dx / (2 sqrt(x)); at zero the square's own error bounds it
-    let relative_error_se = if relative_error > 0.0 {
-        variance.sqrt() / (2.0 * relative_error)
-    } else {
-        variance.sqrt().sqrt()
+    let whole = ErrorEstimate {
+        square,
+        square_se: variance.sqrt(),
+        rows: 0,
     };
     Judgement {
-        relative_error,
-        relative_error_se,
+        relative_error: whole.relative(),
+        relative_error_se: whole.relative_se(),
         test: None,
         cells,
     }

@@ -10,6 +10,7 @@ use crate::cost;
 use crate::judge::CellJudgement;
 use crate::plan::{CellPlan, RoundPlan};
 use crate::run::Run;
+use crate::seams::epsilon;
 use crate::work::read_some;
 use crate::{error::BakeError, task::fit_config};
 use rrf_store::samples::SampleTable;
@@ -141,7 +142,7 @@ fn cut(
     table: &SampleTable,
 ) -> Option<(Cut, f64)> {
     let halves = [table.halves[0].as_slice(), table.halves[1].as_slice()];
-    let floor = config.train.epsilon * f64::from(plan.mean_luminance);
+    let floor = epsilon(config.train.epsilon, plan.mean_luminance);
     let lambert = |&m: &u32| plan.lambert.get(m as usize).copied().unwrap_or(false);
     let glossy = !table.material.iter().all(lambert);
     let fewest = config.extract.fewest_rows as usize;

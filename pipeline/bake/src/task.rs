@@ -84,8 +84,8 @@ fn entries(run: &Run, plan: &RoundPlan) -> Result<Vec<Entry>, BakeError> {
             part: None,
             hash: fit,
             seconds: cost::fit_seconds(rows, cell, &run.config.train),
-            memory: cost::train_memory(rows),
-            least_memory: cost::least_memory(rows, &run.config.train),
+            memory: cost::train_memory(rows, &cell.size, &run.config.train),
+            least_memory: cost::least_memory(rows, &cell.size, &run.config.train),
         };
         train.push(Entry { task, of_cell });
     }
@@ -116,7 +116,7 @@ fn extractions(
             memory: cost::extract_memory(draw),
             least_memory: cost::extract_memory(draw),
         };
-        let of_cell = of_cell.clone();
+        let of_cell = of_cell.of_part(part);
         Ok(Entry { task, of_cell })
     };
     of_cell.plan.parts.iter().zip(hashes).map(entry).collect()

@@ -17,14 +17,15 @@ use signal_hook::iterator::Signals;
 pub fn run(args: &PageArgs) -> anyhow::Result<()> {
     let baked = Baked::open(&args.run, args.trust.trust_error)?;
     let tracer = Tracer::new(&baked.unlit)?;
-    let mut start = view::view(&args.view.camera, &baked.scene)?;
-    if args.view.camera.size.is_none() {
+    let mut start = view::view(&args.camera, &baked.scene)?;
+    if args.camera.size.is_none() {
         fit(&mut start);
     }
     let lookout = Lookout::new(&baked.unlit, &tracer);
-    let lights = match args.view.camera.light.is_empty() {
-        false => view::lights(&args.view.camera, &baked.scene)?.points,
-        true => vec![first_light(&baked, &tracer, &start)?],
+    let asked = args.camera.scene_lights || !args.camera.light.is_empty();
+    let lights = match asked {
+        true => view::lights(&args.camera, &baked.scene)?.points,
+        false => vec![first_light(&baked, &tracer, &start)?],
     };
     let show = Show {
         tracer: &tracer,

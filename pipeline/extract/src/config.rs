@@ -84,14 +84,6 @@ impl Region {
             message: "lies inside a solid: nothing is seen from there".into(),
         })
     }
-
-    /// Volume; an extent of zero (a line or a point of lights) counts as one.
-    pub fn volume(&self) -> f64 {
-        (0..3)
-            .map(|i| f64::from(self.maximum[i] - self.minimum[i]))
-            .filter(|&extent| extent > 0.0)
-            .product()
-    }
 }
 
 /// Settings of plan and extraction, recorded in the run.
@@ -149,23 +141,12 @@ impl Census {
             Rejection::Black => &mut self.black,
         } += 1;
     }
-
-    /// Adds another census.
-    pub fn add(&mut self, other: &Census) {
-        self.accepted += other.accepted;
-        self.other_cell += other.other_cell;
-        self.light_in_solid += other.light_in_solid;
-        self.point_in_solid += other.point_in_solid;
-        self.unseen += other.unseen;
-        self.sees_nothing += other.sees_nothing;
-        self.black += other.black;
-    }
 }
 
 /// Why nothing could be extracted.
 #[derive(Debug, thiserror::Error)]
 pub enum ExtractError {
-    /// The box of lights or of eyes has no extent or does not meet the scene.
+    /// The box of lights or of eyes is inside out or does not meet the scene.
     #[error("{what} box {bounds}: {message}")]
     Box {
         /// Of lights or of eyes.

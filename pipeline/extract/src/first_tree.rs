@@ -89,14 +89,6 @@ pub fn grow(rows: &Columns, diagonal: f32, weights: Weights, cells: u32, fewest:
     tree
 }
 
-/// The column and the place where cutting `rows` in two removes most scatter, or none where no
-/// cut leaves `fewest` rows on both sides.
-pub fn cut(rows: &Columns, diagonal: f32, weights: Weights, fewest: usize) -> Option<(usize, f32)> {
-    let features = features(rows, diagonal, weights);
-    let all: Vec<u32> = (0..rows.len() as u32).collect();
-    best_split(&features, rows, &all, fewest).map(|split| (COLUMN[split.axis], split.threshold))
-}
-
 /// The leaf whose split gains most; ties go to the lower node id.
 fn best_leaf(leaves: &[Leaf]) -> Option<(usize, Split)> {
     let mut best: Option<(usize, Split)> = None;

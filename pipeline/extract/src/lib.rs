@@ -3,8 +3,8 @@
 //! [`plan`] draws candidate rows over the whole scene, grows the first kd-tree over them and
 //! shares the rows out to its cells; [`extract`] draws rows inside a box from a stream of their
 //! own and path-traces the indirect radiance of each as two independent half estimates. A draw
-//! depends on (scene, light box, seed, draw) only: made alone it equals its part of the whole
-//! run. [`cut`] says where a cell's rows come apart best.
+//! depends on (scene, light box, eye box, seed, draw) only: made alone it equals its part of the whole
+//! run.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
@@ -22,7 +22,7 @@ mod stage;
 pub use candidates::{Accepted, Proposal, Rejection, Row, accept};
 pub use config::{Census, ExtractConfig, ExtractError, Region};
 pub use eyes::Eyes;
-pub use first_tree::{Weights, cut};
+pub use first_tree::Weights;
 pub use outlook::{Lookout, Looks, Outlook};
 pub use planning::{CellShare, FirstPlan, plan};
 pub use stage::{Draw, Drawn, extract};

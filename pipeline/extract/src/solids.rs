@@ -36,8 +36,13 @@ pub fn shells(scene: &Scene) -> Vec<Shell> {
         facts[c as usize].add(scene, t);
     }
     for ([a, b], sharing) in edges(&corners) {
-        debug_assert!(a < b);
-        if sharing.len() != 2 {
+        // one with two corners in one place is a line, which neither closes nor opens anything
+        let line = |t: u32| {
+            let [a, b, c] = corners[t as usize];
+            a == b || b == c || c == a
+        };
+        let sides = sharing.iter().filter(|&&t| !line(t)).count();
+        if a != b && sides != 2 {
             sharing
                 .iter()
                 .for_each(|&t| facts[component[t as usize] as usize].open = true);
@@ -277,6 +282,23 @@ mod tests {
         assert!(sum(DVec3::new(0.0, 3.0, 0.2)).abs() < 1e-12);
         let face: f64 = cube[..2].iter().map(|&t| solid_angle(t, DVec3::ZERO)).sum();
         assert!((face - TAU / 3.0).abs() < 1e-12);
+    }
+
+    /// A sliver that welding makes a line of leaves its cube closed.
+    #[test]
+    fn a_line_opens_nothing() {
+        for (inward, kind) in [(false, Shell::Outward), (true, Shell::Inward)] {
+            let far = (DVec3::splat(9.0), DVec3::splat(10.0), false);
+            let mut scene = scene(&[(DVec3::ZERO, DVec3::splat(2.0), inward), far]);
+            assert_eq!(shells(&scene)[0], kind);
+            // along an edge, its third corner a millionth of a millionth off the first
+            let [a, b, _] = scene.triangles[0];
+            let beside = scene.positions[a as usize] + glam::Vec3::splat(1e-12);
+            scene.positions.push(beside);
+            let last = scene.positions.len() as u32 - 1;
+            scene.triangles.push([a, b, last]);
+            assert_eq!(shells(&scene)[0], kind);
+        }
     }
 
     /// Of a building's inward shells, the one with a table in it is a room, the empty one a

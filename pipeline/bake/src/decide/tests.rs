@@ -25,17 +25,45 @@ fn stops_where_it_should() {
         let judgement = Judgement {
             relative_error,
             relative_error_se,
-            test: None,
+            test: Some(crate::test_rows::Tested {
+                rows: 1000,
+                relative_error,
+                relative_error_se,
+            }),
             cells: Vec::new(),
         };
         stop(&config, &plan, &judgement)
     };
     assert_eq!(after(0, 0.048, 0.001), Some(Stop::Target));
     assert_eq!(after(0, 0.048, 0.003), None);
+    // the standard error of a square: twice the error times its own
     assert_eq!(after(0, 0.060, 0.031), Some(Stop::Noise));
     assert_eq!(after(0, 0.060, 0.029), None);
+    // of two errors with squares as well known, the smaller meets what the larger does
+    assert_eq!(after(0, 0.048, 0.001), Some(Stop::Target));
+    assert_eq!(after(0, 0.001, 0.048), Some(Stop::Target));
     assert_eq!(after(1, 0.060, 0.001), None);
     assert_eq!(after(2, 0.060, 0.001), Some(Stop::Rounds));
+    // nothing judged is nothing met
+    let nothing = Judgement {
+        relative_error: 0.0,
+        relative_error_se: 0.0,
+        test: None,
+        cells: Vec::new(),
+    };
+    assert!(!nothing.meets(0.05));
+    // rows held out may hide what test rows see
+    let judgement = Judgement {
+        relative_error: 0.060,
+        relative_error_se: 0.031,
+        test: Some(crate::test_rows::Tested {
+            rows: 1000,
+            relative_error: 0.060,
+            relative_error_se: 0.010,
+        }),
+        cells: Vec::new(),
+    };
+    assert_eq!(stop(&config, &one_cell(256), &judgement), None);
     // a round that only makes nets smaller is the last one, whatever its error
     let last = RoundPlan {
         trims: Some(Stop::Target),

@@ -171,9 +171,9 @@ pub struct PageArgs {
     /// Which cells are believed.
     #[command(flatten)]
     pub trust: TrustArgs,
-    /// Where the page starts.
+    /// Where the page starts; without --light by one white light in the middle of the light box.
     #[command(flatten)]
-    pub view: ViewArgs,
+    pub camera: CameraArgs,
 }
 
 /// `rrf trace`.
