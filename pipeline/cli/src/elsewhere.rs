@@ -1,12 +1,12 @@
 //! `rrf inspect`, `chart`, `sweep` and `report`: the program `rrf-report` beside this one.
 
-use crate::args::Elsewhere;
+use crate::args::{Cli, Elsewhere};
 use crate::failure::BadInput;
 use anyhow::Context;
 use std::process::{Command, ExitCode};
 
-/// Hands everything typed over; the exit code is the other program's.
-pub fn run(name: &str, args: &Elsewhere) -> anyhow::Result<ExitCode> {
+/// Hands everything typed over, options before the command's name too; the exit code is the other program's.
+pub fn run(name: &str, args: &Elsewhere, cli: &Cli) -> anyhow::Result<ExitCode> {
     let this = std::env::current_exe().context("this program's own path is not known")?;
     let program = this.with_file_name("rrf-report");
     if !program.exists() {
@@ -16,7 +16,10 @@ pub fn run(name: &str, args: &Elsewhere) -> anyhow::Result<ExitCode> {
         ))
         .into());
     }
+    let threads = cli.threads.map(|threads| format!("--threads={threads}"));
     let status = Command::new(&program)
+        .args(threads)
+        .args(cli.quiet.then_some("--quiet"))
         .arg(name)
         .args(&args.words)
         .status()

@@ -67,10 +67,10 @@ fn run(cli: &Cli) -> anyhow::Result<ExitCode> {
         Command::Scene(args) => scene::run(args),
         Command::View(args) => page::run(args),
         Command::Doctor(_) => doctor::run(),
-        Command::Inspect(args) => return elsewhere::run("inspect", args),
-        Command::Chart(args) => return elsewhere::run("chart", args),
-        Command::Sweep(args) => return elsewhere::run("sweep", args),
-        Command::Report(args) => return elsewhere::run("report", args),
+        Command::Inspect(args) => return elsewhere::run("inspect", args, cli),
+        Command::Chart(args) => return elsewhere::run("chart", args, cli),
+        Command::Sweep(args) => return elsewhere::run("sweep", args, cli),
+        Command::Report(args) => return elsewhere::run("report", args, cli),
     }?;
     Ok(ExitCode::SUCCESS)
 }

@@ -15,7 +15,7 @@ pub struct CameraArgs {
     #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<[f32; 3]>,
     /// Up direction.
-    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true, requires = "eye")]
     pub up: Option<[f32; 3]>,
     /// Turn image left and right around, as left-handed scenes' own cameras do.
     #[arg(long, requires = "eye")]
@@ -23,7 +23,7 @@ pub struct CameraArgs {
     /// Full angle of the shorter image side [degrees].
     #[arg(long, value_name = "DEG", value_parser = positive)]
     pub fov: Option<f32>,
-    /// Picture size in pixels.
+    /// Picture size in pixels; by default the scene camera's, with --eye 512x512.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// A point light: position and radiant intensity [W/sr] (again for more).
@@ -101,7 +101,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub view: ViewArgs,
     /// Shadow rays of each camera ray, shared by all lights. By default point lights get one
-    /// each, and area lights 16 together.
+    /// each, and area lights 16 together; with `--light-sampling uniform` all lights 16 together.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub shadow_rays: Option<u32>,
     /// How shadow rays choose among lights.
@@ -151,7 +151,7 @@ pub enum LightSampling {
 /// A format of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FrameFormat {
-    /// OpenEXR, linear, with every layer.
+    /// OpenEXR, linear, with every layer but `trust`.
     Exr,
     /// 8-bit sRGB, tone-mapped.
     Png,
@@ -184,11 +184,11 @@ pub struct TraceArgs {
     /// Picture (.exr, .png; again for more), or with --points the table to write.
     #[arg(short, long, value_name = "F", required = true)]
     pub output: Vec<PathBuf>,
-    /// Paths a pixel or a point.
+    /// Paths a pixel, or a point: a multiple of 16 there.
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub spp: u32,
     /// Points table: indirect radiance at its rows instead of a picture.
-    #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "light", "part", "fov", "size"])]
+    #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "up", "mirror", "light", "scene_lights", "part", "aa", "exposure", "fov", "size"])]
     pub points: Option<PathBuf>,
     /// How paths to the point light are made, with --points.
     #[arg(long, value_enum, default_value_t = Estimator::NextEvent, requires = "points")]
