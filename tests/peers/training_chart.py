@@ -9,17 +9,25 @@ import sys
 import matplotlib
 
 matplotlib.use("Agg")
+matplotlib.rcParams["svg.hashsalt"] = "rrf"
 import matplotlib.pyplot as plt  # noqa: E402
+
+
+# programs of others: dashed
+OTHERS = ("numpy", "scipy", "jax")
 
 
 def main(source: str, *pictures: str) -> None:
     measured = json.load(open(source))
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.4), sharey=True)
+    colors = iter(plt.get_cmap("tab20").colors)
     for name, rows in measured["medians"].items():
+        color = next(colors)
         seconds = [max(row[0], 1e-3) for row in rows]
         for axis, column in zip(axes, (1, 2)):
             width = 2.4 if name == "ours" else 1.4
-            axis.plot(seconds[1:], [100 * row[column] for row in rows[1:]], label=name, linewidth=width)
+            line = "--" if name.startswith(OTHERS) else "-"
+            axis.plot(seconds[1:], [100 * row[column] for row in rows[1:]], label=name, linewidth=width, color=color, linestyle=line)
     for axis, title in zip(axes, ("rows trained on", "rows kept back")):
         axis.set(xscale="log", yscale="log", xlabel="CPU seconds, one core", title=title, xlim=(5e-3, 8))
         for ticks in (axis.xaxis, axis.yaxis):
