@@ -44,7 +44,7 @@ test: test-setup python engines $(NOTEBOOKS)/installed
 	RRF=$(abspath $(RRF)) RRF_EXAMPLES=$(abspath $(dir $(RRF))examples) \
 		$(VENV)/bin/python -m pytest -q tests/python
 	RRF=$(abspath $(RRF)) python3 tests/runs/workers.py
-	RRF=$(abspath $(RRF)) RRF_CHECKPOINT_SECONDS=0 python3 tests/runs/kill.py --kills 10
+	RRF=$(abspath $(RRF)) python3 tests/runs/kill.py --kills 10
 	RRF=$(abspath $(RRF)) python3 tests/runs/memory.py
 	RRF=$(abspath $(RRF)) python3 tests/runs/full_disk.py
 	RRF=$(abspath $(RRF)) python3 tests/runs/store.py --server $(VENV)/bin/moto_server

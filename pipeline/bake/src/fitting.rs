@@ -1,6 +1,5 @@
 //! How a cell is fitted: its rows in memory, or in a scratch file where they are too many.
 
-use crate::checkpoint::Checkpoint;
 use crate::error::BakeError;
 use crate::job::Job;
 use crate::plan::CellPlan;
@@ -16,28 +15,18 @@ use rrf_store::samples::SampleTable;
 use rrf_store::{StoreError, atomic};
 use rrf_train::prepare::Samples;
 use rrf_train::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, ErrorEstimate, HistoryRow, Start, TrainConfig, fit_from};
+use rrf_train::{CellFit, ErrorEstimate, HistoryRow, TrainConfig, fit_from};
 
 /// Fits a cell and writes the fit.
 pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), BakeError> {
     let (task, cell) = (&job.task, &job.of_cell.plan);
     let config = fit_config(run, job.shared.mean_luminance, cell);
     let spills = memory.is_some_and(|memory| task.memory > memory);
-    let keeper = Checkpoint::of(run, task);
     let earlier = earlier(run, cell)?;
-    let start = Start {
-        earlier: earlier.as_ref(),
-        keeper: Some(&keeper),
-    };
-    let fitted = match spills {
-        true => spilled(run, job, config, start),
-        false => held(run, job, config, start),
-    };
-    if fitted.is_err() {
-        // what was kept after a read that failed is worth nothing
-        keeper.remove();
-    }
-    let (fit, seen) = fitted?;
+    let (fit, seen) = match spills {
+        true => spilled(run, job, config, earlier.as_ref()),
+        false => held(run, job, config, earlier.as_ref()),
+    }?;
     let steps: Vec<FitStep> = fit.report.history.iter().map(step).collect();
     let fit = Fit {
         domain: seen.domain,
@@ -48,7 +37,6 @@ pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), Bak
     let folder = fit_folder(&run.folder, cell.fitted, cell.cell);
     model::write_steps(&folder, &steps, &run.facts())?;
     model::write_fit(&folder, &fit, &run.facts())?;
-    keeper.remove();
     Ok(())
 }
 
@@ -84,7 +72,7 @@ fn held(
     run: &Run,
     job: &Job,
     config: TrainConfig,
-    start: Start,
+    earlier: Option<&CellModel>,
 ) -> Result<(CellFit, Seen), BakeError> {
     let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
     let table = read_cell(run, cell)?;
@@ -93,7 +81,7 @@ fn held(
     let config = seen.config(config);
     let held_out = held_out(&table, config.seed);
     let samples = samples(&table, &held_out);
-    let fit = fit_from(start, cell.cell, samples, &config)?;
+    let fit = fit_from(earlier, cell.cell, samples, &config)?;
     seen.add_noise(&table, fit.metrics.floor);
     Ok((fit, seen))
 }
@@ -103,7 +91,7 @@ fn spilled(
     run: &Run,
     job: &Job,
     config: TrainConfig,
-    start: Start,
+    earlier: Option<&CellModel>,
 ) -> Result<(CellFit, Seen), BakeError> {
     let (cell, lambert) = (&job.of_cell.plan, &job.shared.lambert);
     let mut seen = Seen::default();
@@ -119,7 +107,7 @@ fn spilled(
         })
     };
     let fit =
-        fit_spilled(start, cell.cell, pass, &scratch, &config).map_err(|error| match error {
+        fit_spilled(earlier, cell.cell, pass, &scratch, &config).map_err(|error| match error {
             SpillError::Train(error) => error.into(),
             SpillError::Rows(error) => error,
             SpillError::Scratch(source) => BakeError::Store(StoreError::Io {

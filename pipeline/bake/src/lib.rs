@@ -13,7 +13,6 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod bake;
-mod checkpoint;
 mod commit;
 mod config;
 mod cost;

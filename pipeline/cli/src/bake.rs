@@ -104,16 +104,12 @@ fn mode(args: &TrainArgs) -> rrf_train::Mode {
     let batches = |steps| rrf_train::Batches {
         rows: args.batch as usize,
         steps,
-        epochs: 1,
     };
     let [online, recursive] = BATCH_STEPS;
     match args.mode {
         TrainMode::Local => rrf_train::Mode::Local,
         TrainMode::Online => rrf_train::Mode::Online(batches(online)),
-        TrainMode::Recursive => rrf_train::Mode::Recursive {
-            batches: batches(recursive),
-            forgetting: 1.0,
-        },
+        TrainMode::Recursive => rrf_train::Mode::Recursive(batches(recursive)),
     }
 }
 

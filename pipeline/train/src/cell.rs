@@ -1,10 +1,9 @@
 //! A cell made ready for training: rows split, scaled, and put in a random order.
 
-use crate::checkpoint::Journal;
 use crate::chunk::Chunk;
 use crate::config::{Mode, TrainConfig};
 use crate::error::TrainError;
-use crate::fit::{FitReport, Start};
+use crate::fit::FitReport;
 use crate::lm::Stop;
 use crate::ordered::{Order, Ordered, Uses};
 use crate::prepare::{self, Noise, Samples};
@@ -34,8 +33,6 @@ pub(crate) struct Cell<'a> {
     pub train: CellRows<'a>,
     pub validation: CellRows<'a>,
     pub report: FitReport,
-    /// The legs of its fit.
-    pub journal: Journal<'a>,
     /// A net to go on from.
     pub earlier: Option<&'a CellModel>,
 }
@@ -119,7 +116,6 @@ impl<'a> Prospect<'a> {
             raw,
             units,
             floor,
-            journal: Journal::default(),
         }
     }
 }
@@ -140,11 +136,9 @@ impl<'a> Cell<'a> {
         Ok(prospect.cell(raw, uses))
     }
 
-    /// The same with what its fit goes on from.
-    pub fn from(mut self, start: Start<'a>) -> Cell<'a> {
-        self.earlier = start.earlier;
-        self.journal = Journal::new(start.keeper);
-        self
+    /// The same with the net that its fit goes on from, if there is one.
+    pub fn going_on(self, earlier: Option<&'a CellModel>) -> Cell<'a> {
+        Cell { earlier, ..self }
     }
 
     /// Why no net is needed, if so.

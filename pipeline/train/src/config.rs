@@ -40,15 +40,13 @@ pub enum Size {
 /// Hidden layers from small to large.
 pub const LADDER: [&[usize]; 6] = [&[], &[4], &[8, 4], &[12, 8], &[20, 10], &[32, 16]];
 
-/// How an online mode goes through the rows, in the order they come in.
+/// How an online mode goes through the rows: once, in the order they come in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Batches {
     /// Rows a batch.
     pub rows: usize,
     /// Most steps on a batch.
     pub steps: usize,
-    /// How many times the batches are gone through.
-    pub epochs: usize,
 }
 
 /// Which rows a step sees.
@@ -59,12 +57,7 @@ pub enum Mode {
     /// Batch after batch, each on its own.
     Online(Batches),
     /// Batch after batch, the accumulated JᵀWJ of the earlier ones kept.
-    Recursive {
-        /// How the rows are gone through.
-        batches: Batches,
-        /// λ: what is kept of the past at each batch, 1 for all.
-        forgetting: f64,
-    },
+    Recursive(Batches),
 }
 
 /// How cells are fitted; written whole into a run's manifest.
@@ -185,14 +178,6 @@ fn patience_going_on() -> usize {
 }
 
 impl TrainConfig {
-    /// λ of the recursive mode, 0 otherwise.
-    pub fn forgetting(&self) -> f64 {
-        match self.mode {
-            Mode::Recursive { forgetting, .. } => forgetting,
-            _ => 0.0,
-        }
-    }
-
     /// Every number within its range.
     pub fn check(&self) -> Result<(), TrainError> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
@@ -212,12 +197,6 @@ impl TrainConfig {
                 "at least 0",
             ),
             (
-                "forgetting",
-                self.forgetting(),
-                (0.0..=1.0).contains(&self.forgetting()),
-                "between 0 and 1",
-            ),
-            (
                 "prune",
                 self.prune.unwrap_or(0.0),
                 self.prune.unwrap_or(0.0) >= 0.0,
@@ -231,13 +210,13 @@ impl TrainConfig {
                 return Err(TrainError::Config { name, value, range });
             }
         }
-        if let Mode::Online(batches) | Mode::Recursive { batches, .. } = self.mode
-            && (batches.rows == 0 || batches.steps == 0 || batches.epochs == 0)
+        if let Mode::Online(batches) | Mode::Recursive(batches) = self.mode
+            && (batches.rows == 0 || batches.steps == 0)
         {
             return Err(TrainError::Config {
                 name: "mode",
                 value: format!("{batches:?}"),
-                range: "at least 1 row, step and epoch",
+                range: "at least 1 row and step",
             });
         }
         let of_nets_alone = self.mode != Mode::Local || self.prune.is_some() || self.exponential;

@@ -7,7 +7,6 @@
 //! what they leave, the residual ϱ = −g − (A + αI + μS) δ, is in the promised fall,
 //! δᵀ(μSδ − g + ϱ).
 
-use crate::checkpoint::{Reader, Words};
 use crate::levenberg::{Levenberg, Step, squared};
 use crate::linalg::Cholesky;
 use crate::lm::Problem;
@@ -63,46 +62,6 @@ impl Recycled {
 }
 
 impl Levenberg {
-    /// What the last matrix leaves, the matrix in place of its factor.
-    pub(crate) fn write_recycled(&self, words: &mut Words) {
-        let recycled = &self.recycled;
-        if recycled.steps == 0 || recycled.steps >= self.config.reuse {
-            return words.push(0);
-        }
-        words.push(recycled.steps as u64);
-        words.floats(&self.normal.matrix);
-        words.floats(&recycled.added);
-        words.push(recycled.pairs.len() as u64);
-        for pair in &recycled.pairs {
-            words.floats(&pair.p);
-            words.floats(&pair.product);
-            words.float(pair.inverse);
-        }
-    }
-
-    /// Takes back what [`Levenberg::write_recycled`] wrote; none where it is of another problem.
-    pub(crate) fn read_recycled(&mut self, words: &mut Reader) -> Option<()> {
-        let n = self.scale.len();
-        self.recycled.steps = usize::try_from(words.take()?).ok()?;
-        if self.recycled.steps == 0 {
-            return Some(());
-        }
-        self.normal.matrix = words.floats(n * n)?;
-        self.recycled.added = words.floats(n)?;
-        let pair = |words: &mut Reader| {
-            Some(Pair {
-                p: words.floats(n)?,
-                product: words.floats(n)?,
-                inverse: words.float()?,
-            })
-        };
-        self.recycled.pairs = (0..words.take()?)
-            .map(|_| pair(words))
-            .collect::<Option<Vec<Pair>>>()?;
-        let (factor, normal) = (&mut self.factor, &self.normal);
-        factor.factor(&normal.matrix, &self.recycled.added).ok()
-    }
-
     /// A step from `w` without a new matrix; none where one is due, or where the step would not
     /// lower F.
     pub(crate) fn between(
@@ -121,10 +80,7 @@ impl Levenberg {
             .map(|(g, w)| g + alpha * w)
             .collect();
         let (delta, promised) = self.conjugate(problem, &g, alpha)?;
-        let mut trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
-        if self.config.separable {
-            problem.project(&mut trial, alpha);
-        }
+        let trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
         let data = problem.cost(&trial);
         let after = data + alpha * squared(&trial);
         let gain = (before - after) / promised;

@@ -1,14 +1,12 @@
 //! One net's way down: steps on a share of the rows, the best weights kept.
 
 use crate::cell::Cell;
-use crate::checkpoint::{Reader, Words, stop_number};
 use crate::config::Decay;
 use crate::fit::HistoryRow;
 use crate::judge::Judge;
-use crate::lm::{Levenberg, Problem, Step, Stop};
+use crate::lm::{Levenberg, Step, Stop};
 use crate::logarithm::Logarithms;
 use crate::problem::{Loss, NetProblem};
-use crate::resume::At;
 use crate::tile::Rows;
 use rrf_field::net::Shape;
 
@@ -108,24 +106,6 @@ impl<'a> Descent<'a> {
 
     /// Goes on from the best weights.
     pub fn run(&mut self, leg: Leg) -> Stop {
-        let journal = &self.cell.journal;
-        if let Some(outcome) = journal.outcome() {
-            if let Some(stop) = self.take_outcome(&outcome) {
-                return stop;
-            }
-            journal.forget();
-        }
-        let stop = self.walk(leg);
-        if !journal.is_idle() {
-            let mut outcome = Words::default();
-            outcome.push(stop_number(stop));
-            self.write(&mut outcome);
-            journal.ended(outcome);
-        }
-        stop
-    }
-
-    fn walk(&mut self, leg: Leg) -> Stop {
         let cell = self.cell;
         let rows = (cell.train.len() as f64 * leg.share).ceil() as usize;
         let part = cell.train.first(rows);
@@ -170,41 +150,38 @@ impl<'a> Descent<'a> {
         }
     }
 
-    fn descend(&mut self, problem: &mut impl NetSteps, judge: &mut Judge, leg: Leg) -> Stop {
-        let journal = &self.cell.journal;
-        let mut at = At { taken: 0, since: 0 };
-        if let Some(begun) = journal.begun()
-            && let Some(found) = self.go_back(&begun, problem, judge)
-        {
-            at = found;
-        }
-        while at.taken < leg.steps {
-            journal.inside(|| self.inside(at, problem, judge));
-            at.taken += 1;
+    fn descend(
+        &mut self,
+        problem: &mut NetProblem<impl Rows>,
+        judge: &mut Judge,
+        leg: Leg,
+    ) -> Stop {
+        let mut since_best = 0;
+        for taken in 1..=leg.steps {
             let alpha = self.alpha * self.residuals;
             let step = match self.lm.step(problem, &mut self.w, alpha) {
                 Ok(step) => step,
                 Err(stop) => return stop,
             };
-            if renews_judge(at.taken) {
+            if renews_judge(taken) {
                 judge.renew(&self.best, problem.target_share());
                 self.error = judge.error(&self.best).square;
             }
             let error = judge.error(&self.w).square;
             self.record(&step, error);
-            at.since += 1;
+            since_best += 1;
             if error < self.error || !self.error.is_finite() {
                 self.error = error;
                 self.best.clone_from(&self.w);
-                at.since = 0;
+                since_best = 0;
             }
-            if at.since >= leg.patience {
+            if since_best >= leg.patience {
                 return Stop::Validation;
             }
             if step.before - step.after <= self.cell.config.lm.cost * step.before {
                 return Stop::Cost;
             }
-            if let (Decay::Evidence(_), 0) = (self.cell.config.decay, at.taken % EVIDENCE) {
+            if let (Decay::Evidence(_), 0) = (self.cell.config.decay, taken % EVIDENCE) {
                 self.decay_by_evidence(step.data);
             }
         }
@@ -234,30 +211,5 @@ impl<'a> Descent<'a> {
             self.alpha = found.alpha / self.residuals;
             self.gamma = found.gamma;
         }
-    }
-}
-
-/// A problem that tells how it weighs targets against predictions, and how it weighs rows.
-pub(crate) trait NetSteps: Problem {
-    fn target_share(&self) -> f64;
-
-    /// What one step leaves to the next.
-    fn write(&self, words: &mut Words);
-
-    /// Takes it back.
-    fn read(&mut self, words: &mut Reader) -> Option<()>;
-}
-
-impl<R: Rows> NetSteps for NetProblem<R> {
-    fn target_share(&self) -> f64 {
-        NetProblem::target_share(self)
-    }
-
-    fn write(&self, words: &mut Words) {
-        self.write_weights(words);
-    }
-
-    fn read(&mut self, words: &mut Reader) -> Option<()> {
-        self.read_weights(words)
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::baseline;
 use crate::cell::Cell;
-use crate::checkpoint::Keeper;
 use crate::config::{Batches, Mode, Size, TrainConfig};
 use crate::descent::Descent;
 use crate::error::TrainError;
@@ -111,33 +110,23 @@ pub fn fit_cell(
         halves,
         validation,
     };
-    fit_from(Start::default(), cell, samples, config)
+    fit_from(None, cell, samples, config)
 }
 
-/// What a fit goes on from.
-#[derive(Clone, Copy, Default)]
-pub struct Start<'a> {
-    /// A net of a cell around this one or of fewer rows; used where the two are of one kind and
-    /// the earlier one is no larger.
-    pub earlier: Option<&'a CellModel>,
-    /// Who keeps the state of the fit: one that was cut off goes on where it was, with the same
-    /// result.
-    pub keeper: Option<&'a dyn Keeper>,
-}
-
-/// [`fit_cell`] that goes on from something.
+/// [`fit_cell`] that goes on from an earlier net: that of a cell around this one or of fewer rows.
+/// It is used where the two are of one kind and the earlier one is no larger.
 ///
 /// # Errors
 /// As [`fit_cell`].
 pub fn fit_from(
-    start: Start,
+    earlier: Option<&CellModel>,
     cell: u32,
     samples: Samples,
     config: &TrainConfig,
 ) -> Result<CellFit, TrainError> {
     Ok(fit_prepared(
         cell,
-        Cell::new(cell, samples, config)?.from(start),
+        Cell::new(cell, samples, config)?.going_on(earlier),
     ))
 }
 
@@ -198,7 +187,7 @@ fn train(cell: u32, mut prepared: Cell) -> CellFit {
             Some(found) => found,
             None => return constant(cell, prepared, Stop::NotFinite),
         },
-        Mode::Online(batches) | Mode::Recursive { batches, .. } => online(&prepared, batches),
+        Mode::Online(batches) | Mode::Recursive(batches) => online(&prepared, batches),
     };
     if let Some(tolerance) = prepared.config.prune {
         ended = pruned(&mut prepared, ended, &mut history, tolerance);

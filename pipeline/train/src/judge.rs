@@ -1,9 +1,7 @@
 //! The error of a net on some rows, free of Monte Carlo noise.
 
 use crate::cell::Cell;
-use crate::checkpoint::{Reader, Words};
 use crate::halves::{self, ErrorEstimate};
-use crate::lm::Problem;
 use crate::prepare;
 use crate::problem::NetProblem;
 use crate::rows::{CellRows, Part};
@@ -18,12 +16,7 @@ pub(crate) struct Judge<'a> {
     /// Which of the cell's rows, in its order.
     range: Range<usize>,
     divisor: Vec<f64>,
-    /// Share and weights that the divisors were last renewed by.
-    renewed: Renewal,
 }
-
-/// Share and weights of a renewal of the divisors, if there was one.
-pub(crate) type Renewal = Option<(f64, Vec<f64>)>;
 
 impl<'a> Judge<'a> {
     /// On the first `most` training rows; errors are divided by the luminance of the targets
@@ -68,7 +61,6 @@ impl<'a> Judge<'a> {
             cell,
             range,
             divisor,
-            renewed: None,
         }
     }
 
@@ -81,30 +73,6 @@ impl<'a> Judge<'a> {
                 *d = 1.0 / l.max(floor);
             }
         });
-        self.renewed = Some((share, w.to_vec()));
-    }
-
-    /// What makes the divisors.
-    pub fn write(&self, words: &mut Words) {
-        match &self.renewed {
-            Some((share, w)) => {
-                words.float(*share);
-                words.floats(w);
-            }
-            None => {
-                words.float(1.0);
-                words.floats(&[]);
-            }
-        }
-    }
-
-    /// What [`Judge::renew`] was last called with, if it was; none where it is of another net.
-    pub fn read(&self, words: &mut Reader) -> Option<Renewal> {
-        let (share, w) = (words.float()?, words.list()?);
-        match w.len() {
-            0 => Some(None),
-            n => (n == self.problem.parameters()).then_some(Some((share, w))),
-        }
     }
 
     /// Squared relative error of the net with weights `w`.

@@ -1,7 +1,6 @@
 //! The damped step and what goes from one to the next.
 
 use crate::blocks::Normal;
-use crate::checkpoint::{Reader, Words};
 use crate::conjugate::Recycled;
 use crate::evidence::{self, Evidence};
 use crate::linalg::Cholesky;
@@ -74,7 +73,7 @@ impl Levenberg {
         if largest(&g) <= self.config.gradient * before.max(f64::MIN_POSITIVE) {
             return Err(Stop::Gradient);
         }
-        self.rescale(problem.linear());
+        self.rescale();
         for tries in 1.. {
             if self.mu > self.config.damping_max * self.largest {
                 return Err(Stop::Damping);
@@ -86,10 +85,7 @@ impl Levenberg {
             if squared(&delta).sqrt() <= self.config.step * (squared(w).sqrt() + self.config.step) {
                 return Err(Stop::Step);
             }
-            let mut trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
-            if self.config.separable {
-                problem.project(&mut trial, alpha);
-            }
+            let trial: Vec<f64> = w.iter().zip(&delta).map(|(w, d)| w + d).collect();
             let data = problem.cost(&trial);
             let after = data + alpha * squared(&trial);
             let gain = (before - after) / promised;
@@ -141,7 +137,7 @@ impl Levenberg {
     }
 
     /// Refreshes S, and sets μ at the first step.
-    fn rescale(&mut self, linear: std::ops::Range<usize>) {
+    fn rescale(&mut self) {
         let n = self.normal.n;
         let diagonal = |i: usize| self.normal.matrix[i * n + i];
         let top = (0..n).map(diagonal).fold(0.0, f64::max);
@@ -168,9 +164,6 @@ impl Levenberg {
                     *s = 1.0;
                 }
             }
-        }
-        if self.config.separable {
-            self.scale[linear].fill(0.0);
         }
     }
 
@@ -214,29 +207,6 @@ impl Levenberg {
             *v += 0.5 * a;
         }
         Some(())
-    }
-
-    /// What one step leaves to the next.
-    pub(crate) fn write(&self, words: &mut Words) {
-        for x in [self.mu, self.nu, self.largest] {
-            words.float(x);
-        }
-        words.floats(&self.scale);
-        self.write_recycled(words);
-    }
-
-    /// The same with what [`Levenberg::write`] wrote; none where it is of another problem.
-    pub(crate) fn read(&self, words: &mut Reader) -> Option<Levenberg> {
-        let (mu, nu, largest) = (words.float()?, words.float()?, words.float()?);
-        let mut read = Levenberg {
-            mu,
-            nu,
-            largest,
-            scale: words.floats(self.scale.len())?,
-            ..Levenberg::new(self.scale.len(), self.config)
-        };
-        read.read_recycled(words)?;
-        Some(read)
     }
 
     pub(crate) fn raise(&mut self) {

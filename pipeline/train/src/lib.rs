@@ -11,7 +11,6 @@
 //! - [`problem`] makes a net and its relative loss such a problem;
 //! - [`rows`] holds the rows in memory, or reads them again at each pass from a file where they
 //!   are too many ([`spill`]);
-//! - [`checkpoint`] keeps where a long fit stands;
 //! - [`halves`] tells errors without Monte Carlo noise;
 //! - `baseline` fits what nets are compared with;
 //! - [`cut`] says where a cell is best cut in two;
@@ -24,7 +23,6 @@
 mod baseline;
 pub mod blocks;
 mod cell;
-pub mod checkpoint;
 pub mod chunk;
 pub mod config;
 mod conjugate;
@@ -51,7 +49,6 @@ pub mod problem;
 mod products;
 mod prune;
 
-mod resume;
 pub mod rows;
 mod scratch;
 mod search;
@@ -65,7 +62,7 @@ mod warm;
 pub use blocks::Precision;
 pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
 pub use error::TrainError;
-pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, Start, fit_cell, fit_from};
+pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell, fit_from};
 pub use halves::ErrorEstimate;
 pub use lm::{LmConfig, Scaling, Stop};
 pub use rrf_field::model::Kind;

@@ -35,17 +35,6 @@ pub trait Problem {
         false
     }
 
-    /// The parameters that r depends on linearly: a range, moved by [`Problem::project`].
-    fn linear(&self) -> std::ops::Range<usize> {
-        0..0
-    }
-
-    /// Moves the linear parameters to where F is least for the others as they are; false where
-    /// that has no unique answer, w then unmoved.
-    fn project(&mut self, _w: &mut [f64], _alpha: f64) -> bool {
-        false
-    }
-
     /// JᵀW r'' into `out`, r'' the second derivative of r along v; false where not supported.
     fn curvature(&mut self, _w: &[f64], _v: &[f64], _out: &mut [f64]) -> bool {
         false
@@ -124,9 +113,6 @@ pub struct LmConfig {
     pub damping_max: f64,
     /// The matrix that the damping multiplies.
     pub scaling: Scaling,
-    /// Variable projection (Golub, Pereyra 1973, in Kaufman's 1975 form): the linear parameters
-    /// are not damped, and solved for anew after each step of the others.
-    pub separable: bool,
     /// Largest ratio of acceleration to velocity, 2‖a‖/‖v‖ ≤ this; 0 turns acceleration off.
     pub acceleration: f64,
     /// Steps taken with one matrix JᵀWJ: all but the first of them solve for the step by
@@ -159,7 +145,6 @@ impl Default for LmConfig {
             tau: 1e-3,
             damping_max: 1e12,
             scaling: Scaling::Identity,
-            separable: false,
             acceleration: 0.0,
             reuse: one(),
             inner: three(),

@@ -2,7 +2,7 @@
 //!
 //! *Online* steps on each batch's own cost, as Ren et al. 2013 describe it: nothing holds what
 //! earlier batches taught. *Recursive* keeps their accumulated JᵀWJ: with w₀ the weights where
-//! the last batch left them and M = λ Σ JᵀWJ of all batches so far, each batch minimises
+//! the last batch left them and M = Σ JᵀWJ of all batches so far, each batch minimises
 //!
 //! ```text
 //!   F(w) = D_batch(w) + (w − w₀)ᵀ M (w − w₀)
@@ -13,7 +13,7 @@
 
 use crate::blocks::Normal;
 use crate::cell::Cell;
-use crate::config::Batches;
+use crate::config::{Batches, Mode};
 use crate::fit::HistoryRow;
 use crate::judge::Judge;
 use crate::lm::{Levenberg, Problem, Stop};
@@ -75,7 +75,7 @@ pub(crate) struct Online {
 
 /// Goes through the batches.
 pub(crate) fn train(cell: &Cell, shape: &Shape, batches: Batches) -> Online {
-    let forgetting = cell.config.forgetting();
+    let remembers = matches!(cell.config.mode, Mode::Recursive(_));
     let mut w = cell.first_weights(shape, 0);
     let n = w.len();
     // The output layer starts at zero, the mean: an answer should no batch give a better one.
@@ -87,8 +87,7 @@ pub(crate) fn train(cell: &Cell, shape: &Shape, batches: Batches) -> Online {
     let mut best = (f64::INFINITY, w.clone());
     let (mut history, mut share) = (Vec::new(), 1.0);
     let rows = cell.train.len();
-    for batch in 0..batches.epochs * rows.div_ceil(batches.rows) {
-        let first = batch % rows.div_ceil(batches.rows) * batches.rows;
+    for (batch, first) in (0..rows).step_by(batches.rows).enumerate() {
         let part = cell.train.part(first..first + batches.rows);
         let residuals = part.residuals().max(1);
         let alpha = cell.config.decay.start() * residuals as f64;
@@ -108,10 +107,9 @@ pub(crate) fn train(cell: &Cell, shape: &Shape, batches: Batches) -> Online {
         }
         share = problem.batch.target_share();
         memory = problem.memory;
-        if forgetting > 0.0 {
+        if remembers {
             // The matrix of the last linearisation holds M + JᵀWJ of this batch.
             memory.clone_from(&lm.normal.matrix);
-            memory.iter_mut().for_each(|m| *m *= forgetting);
         }
         lm.settle();
         judge.renew(&w, share);

@@ -1,7 +1,6 @@
 //! Training a net as a sum of squares: the [`Problem`] that Levenberg-Marquardt sees.
 
 use crate::blocks::{Accumulator, Normal, Precision};
-use crate::checkpoint::{Reader, Words};
 use crate::curvature::second_derivative;
 use crate::linalg::Cholesky;
 use crate::lm::Problem;
@@ -144,19 +143,36 @@ impl<R: Rows> NetProblem<R> {
         }
     }
 
-    /// What the last steps made of the weights of the rows.
-    pub(crate) fn write_weights(&self, words: &mut Words) {
-        words.push(u64::from(self.fresh));
-        words.float(self.share);
-        words.floats(&self.divisor);
-    }
-
-    /// Takes them back; none where they are of other rows.
-    pub(crate) fn read_weights(&mut self, words: &mut Reader) -> Option<()> {
-        let (fresh, share) = (words.take()? != 0, words.float()?);
-        self.divisor = words.floats(self.divisor.len())?;
-        (self.fresh, self.share) = (fresh, share);
-        Some(())
+    /// Moves the output layer to where F is least for the other weights as they are; false where
+    /// that has no unique answer, w then unmoved. Exponential outputs have none.
+    pub fn project(&mut self, w: &mut [f64], alpha: f64) -> bool {
+        if self.exponential {
+            return false;
+        }
+        self.output_sums.clear();
+        for first in (0..self.rows.len()).step_by(TILE) {
+            self.load(first);
+            self.tile.forward(w);
+            if self.fresh {
+                self.renew(first);
+            }
+            self.tile.residuals(&self.divisor[first..]);
+            self.output_sums.add(&self.tile);
+        }
+        self.output_sums.finish(&mut self.output);
+        let (n, top) = (self.output.n, self.output_layer());
+        let diagonal = |i: usize| self.output.matrix[i * n + i];
+        let largest = (0..n).map(diagonal).fold(0.0, f64::max);
+        let mut delta: Vec<f64> = (self.output.gradient.iter().zip(&w[top.clone()]))
+            .map(|(g, w)| -(g + alpha * w))
+            .collect();
+        let add = vec![alpha + RIDGE * largest; n];
+        let solved = (self.factor.factor(&self.output.matrix, &add))
+            .and_then(|()| self.factor.solve(&mut delta));
+        if solved.is_ok() {
+            w[top].iter_mut().zip(&delta).for_each(|(w, d)| *w += d);
+        }
+        solved.is_ok()
     }
 
     fn load(&mut self, first: usize) {
@@ -184,43 +200,6 @@ impl<R: Rows> NetProblem<R> {
 }
 
 impl<R: Rows> Problem for NetProblem<R> {
-    fn linear(&self) -> std::ops::Range<usize> {
-        if self.exponential {
-            return 0..0;
-        }
-        self.output_layer()
-    }
-
-    fn project(&mut self, w: &mut [f64], alpha: f64) -> bool {
-        if self.exponential {
-            return false;
-        }
-        self.output_sums.clear();
-        for first in (0..self.rows.len()).step_by(TILE) {
-            self.load(first);
-            self.tile.forward(w);
-            if self.fresh {
-                self.renew(first);
-            }
-            self.tile.residuals(&self.divisor[first..]);
-            self.output_sums.add(&self.tile);
-        }
-        self.output_sums.finish(&mut self.output);
-        let (n, top) = (self.output.n, self.linear());
-        let diagonal = |i: usize| self.output.matrix[i * n + i];
-        let largest = (0..n).map(diagonal).fold(0.0, f64::max);
-        let mut delta: Vec<f64> = (self.output.gradient.iter().zip(&w[top.clone()]))
-            .map(|(g, w)| -(g + alpha * w))
-            .collect();
-        let add = vec![alpha + RIDGE * largest; n];
-        let solved = (self.factor.factor(&self.output.matrix, &add))
-            .and_then(|()| self.factor.solve(&mut delta));
-        if solved.is_ok() {
-            w[top].iter_mut().zip(&delta).for_each(|(w, d)| *w += d);
-        }
-        solved.is_ok()
-    }
-
     fn parameters(&self) -> usize {
         self.parameters
     }

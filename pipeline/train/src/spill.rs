@@ -7,18 +7,19 @@ use crate::cell::Prospect;
 use crate::chunk::Chunk;
 use crate::config::TrainConfig;
 use crate::error::TrainError;
-use crate::fit::{CellFit, Start, fit_prepared};
+use crate::fit::{CellFit, fit_prepared};
 use crate::ordered::{Ordered, Uses};
 use crate::prepare::Samples;
 use crate::scratch::Scratch;
+use rrf_field::model::CellModel;
 use std::fs::File;
 use std::io;
 use std::rc::Rc;
 
 /// Bytes a row while the file is written: its key, its number and its place.
 pub const ORDERED_ROW: u64 = 16;
-/// Bytes a row that stay in memory afterwards: of a training row its divisor, its weight and a
-/// checkpoint's copy of that, of a validation row less.
+/// Bytes a row that stay in memory afterwards, at most while the error of the fit is told: the
+/// divisor of the row, its weight in the sums and its share of the error.
 pub const HELD_ROW: u64 = 24;
 /// Bytes that windows of rows take, whatever their number.
 pub const WINDOWS: u64 = 8 << 20;
@@ -40,7 +41,7 @@ pub enum SpillError<E: std::error::Error + 'static> {
 /// [`crate::fit_from`] with rows that `pass` hands on piece by piece, the same at every call, and
 /// `scratch`, an empty file open for reading and writing, to keep them in.
 pub fn fit_spilled<E: std::error::Error>(
-    start: Start,
+    earlier: Option<&CellModel>,
     cell: u32,
     pass: impl Fn(&mut dyn FnMut(&Samples)) -> Result<(), E>,
     scratch: &File,
@@ -62,7 +63,7 @@ pub fn fit_spilled<E: std::error::Error>(
     let scratch = Rc::new(Scratch::new(scratch, used));
     fill(&scratch, &uses, pass)?;
     let raw = Ordered::Spilled(scratch.clone());
-    let fit = fit_prepared(cell, prospect.cell(raw, uses).from(start));
+    let fit = fit_prepared(cell, prospect.cell(raw, uses).going_on(earlier));
     match scratch.failure() {
         Some(failure) => Err(SpillError::Scratch(failure)),
         None => Ok(fit),

@@ -14,28 +14,12 @@ fn with(change: impl Fn(&mut TrainConfig)) -> TrainConfig {
     config
 }
 
-fn online(rows: usize, steps: usize, epochs: usize) -> TrainConfig {
-    with(|c| {
-        c.mode = Mode::Online(Batches {
-            rows,
-            steps,
-            epochs,
-        })
-    })
+fn online(rows: usize, steps: usize) -> TrainConfig {
+    with(|c| c.mode = Mode::Online(Batches { rows, steps }))
 }
 
-fn recursive(rows: usize, steps: usize, epochs: usize, forgetting: f64) -> TrainConfig {
-    let batches = Batches {
-        rows,
-        steps,
-        epochs,
-    };
-    with(|c| {
-        c.mode = Mode::Recursive {
-            batches,
-            forgetting,
-        }
-    })
+fn recursive(rows: usize, steps: usize) -> TrainConfig {
+    with(|c| c.mode = Mode::Recursive(Batches { rows, steps }))
 }
 
 /// Everything that the documentation's tables compare.
@@ -59,7 +43,6 @@ pub fn all() -> Vec<(&'static str, TrainConfig)> {
         ),
         ("scaling-marquardt", lm(|c| c.scaling = Scaling::Marquardt)),
         ("acceleration", lm(|c| c.acceleration = 0.75)),
-        ("projection", lm(|c| c.separable = true)),
         ("tau-1e-2", lm(|c| c.tau = 1e-2)),
         ("tau-1e-5", lm(|c| c.tau = 1e-5)),
         ("decay-none", with(|c| c.decay = Decay::Fixed(0.0))),
@@ -77,8 +60,6 @@ pub fn all() -> Vec<(&'static str, TrainConfig)> {
         ("starts-4-rungs-3", with(|c| (c.starts, c.rungs) = (4, 3))),
         ("starts-8-rungs-3", with(|c| (c.starts, c.rungs) = (8, 3))),
         ("starts-4-rungs-0", with(|c| (c.starts, c.rungs) = (4, 0))),
-        ("rungs-2-projection", lm(|c| c.separable = true)),
-        ("rungs-2-acceleration", lm(|c| c.acceleration = 0.75)),
         ("absolute", with(|c| c.relative = false)),
         ("net-linear", with(|c| c.size = Size::Hidden(vec![]))),
         ("net-4", with(|c| c.size = Size::Hidden(vec![4]))),
@@ -103,12 +84,10 @@ pub fn all() -> Vec<(&'static str, TrainConfig)> {
             "smallest-10-prune",
             with(|c| (c.size, c.prune) = (Size::Smallest { target: 0.10 }, Some(0.02))),
         ),
-        ("mode-online-512-1", online(512, 1, 1)),
-        ("mode-online-512-10", online(512, 10, 1)),
-        ("mode-online-512-10-x4", online(512, 10, 4)),
-        ("mode-recursive-512-1", recursive(512, 1, 1, 1.0)),
-        ("mode-recursive-512-3", recursive(512, 3, 1, 1.0)),
-        ("mode-recursive-512-10", recursive(512, 10, 1, 1.0)),
-        ("mode-recursive-512-3-x4", recursive(512, 3, 4, 0.9)),
+        ("mode-online-512-1", online(512, 1)),
+        ("mode-online-512-10", online(512, 10)),
+        ("mode-recursive-512-1", recursive(512, 1)),
+        ("mode-recursive-512-3", recursive(512, 3)),
+        ("mode-recursive-512-10", recursive(512, 10)),
     ]
 }

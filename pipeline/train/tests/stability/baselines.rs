@@ -7,7 +7,7 @@ use rrf_field::model::CellModel;
 use rrf_field::tree::Tree;
 use rrf_train::prepare::Samples;
 use rrf_train::{
-    Batches, CellFit, Kind, Mode, Start, Stop, TrainConfig, TrainError, fit_cell, fit_from,
+    Batches, CellFit, Kind, Mode, Stop, TrainConfig, TrainError, fit_cell, fit_from,
 };
 
 pub fn config(kind: Kind) -> TrainConfig {
@@ -163,12 +163,11 @@ fn what_only_nets_can_do_is_refused() {
     let batches = Batches {
         rows: 10,
         steps: 1,
-        epochs: 1,
     };
     let of = |change: fn(&mut TrainConfig, Batches)| {
         let mut config = config(Kind::Quadratic);
         change(&mut config, batches);
-        fit_from(Start::default(), 0, samples, &config).map(|_| ())
+        fit_from(None, 0, samples, &config).map(|_| ())
     };
     let refused = Err(TrainError::NoNet { kind: "quadratic" });
     assert_eq!(of(|c, batches| c.mode = Mode::Online(batches)), refused);

@@ -46,13 +46,9 @@ fn online_forgets_and_recursive_remembers() {
     let batches = Batches {
         rows: A_LIGHT * 2 / 3,
         steps: 30,
-        epochs: 1,
     };
     let online = last_error(Mode::Online(batches));
-    let recursive = last_error(Mode::Recursive {
-        batches,
-        forgetting: 1.0,
-    });
+    let recursive = last_error(Mode::Recursive(batches));
     let local = one_light_a_batch().fit(&cells::config());
     let local = local.metrics.validation_error.relative();
     println!("local {local}, recursive {recursive}, online {online}");

@@ -1,14 +1,12 @@
-//! Rows in a file instead of in memory, and fits that go on after a kill.
+//! Rows in a file instead of in memory.
 
 use crate::baselines;
 use crate::cells::{self, Cell, smooth};
 use rrf_field::columns::Columns;
-use rrf_train::checkpoint::Keeper;
 use rrf_train::prepare::Samples;
 use rrf_train::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, Kind, Size, Start, TrainConfig, fit_from};
-use std::cell::RefCell;
-use std::fs::File;
+use rrf_train::{CellFit, Kind, Size, TrainConfig, fit_from};
+use std::fs::{File, OpenOptions};
 use std::io;
 
 /// More than a window of the file.
@@ -20,13 +18,6 @@ fn cell(noise: f64) -> Cell {
     cell.halves[0][17][1] = f32::NAN;
     cell.halves[1][5003][0] = f32::INFINITY;
     cell
-}
-
-fn kept(keeper: Option<&dyn Keeper>) -> Start<'_> {
-    Start {
-        earlier: None,
-        keeper,
-    }
 }
 
 fn samples(cell: &Cell) -> Samples<'_> {
@@ -52,19 +43,12 @@ fn pieces(cell: &Cell, rows: usize, see: &mut dyn FnMut(&Samples)) {
     }
 }
 
-fn spilled(cell: &Cell, rows: usize, config: &TrainConfig, keeper: Option<&dyn Keeper>) -> CellFit {
+fn spilled(cell: &Cell, rows: usize, config: &TrainConfig) -> CellFit {
     let pass = |see: &mut dyn FnMut(&Samples)| {
         pieces(cell, rows, see);
         Ok::<(), io::Error>(())
     };
-    fit_spilled(
-        kept(keeper),
-        0,
-        pass,
-        &tempfile::tempfile().unwrap(),
-        config,
-    )
-    .unwrap()
+    fit_spilled(None, 0, pass, &tempfile::tempfile().unwrap(), config).unwrap()
 }
 
 fn assert_same(a: &CellFit, b: &CellFit) {
@@ -104,27 +88,24 @@ fn a_file_of_rows_gives_the_bits_of_rows_in_memory() {
             ..config()
         };
         config.lm.reuse = reuse;
-        let held = fit_from(kept(None), 0, samples(&cell), &config).unwrap();
+        let held = fit_from(None, 0, samples(&cell), &config).unwrap();
         assert_eq!(held.metrics.quarantined_rows, 2);
         for rows in [ROWS, 1000] {
-            assert_same(&spilled(&cell, rows, &config, None), &held);
+            assert_same(&spilled(&cell, rows, &config), &held);
         }
         // going on from a net
         let unpruned = TrainConfig {
             prune: None,
             ..config
         };
-        let start = Start {
-            earlier: Some(&held.model),
-            keeper: None,
-        };
-        let further = fit_from(start, 0, samples(&cell), &unpruned).unwrap();
+        let earlier = Some(&held.model);
+        let further = fit_from(earlier, 0, samples(&cell), &unpruned).unwrap();
         let pass = |see: &mut dyn FnMut(&Samples)| {
             pieces(&cell, 700, see);
             Ok::<(), io::Error>(())
         };
         let file = tempfile::tempfile().unwrap();
-        let from_file = fit_spilled(start, 0, pass, &file, &unpruned).unwrap();
+        let from_file = fit_spilled(earlier, 0, pass, &file, &unpruned).unwrap();
         assert_same(&from_file, &further);
     }
 }
@@ -139,124 +120,10 @@ fn a_file_that_cannot_be_used_is_an_error() {
         pieces(&cell, ROWS, see);
         Ok::<(), io::Error>(())
     };
-    let found = fit_spilled(kept(None), 0, pass, &File::open(&path).unwrap(), &config());
-    assert!(matches!(found, Err(SpillError::Scratch(_))));
-    // cut short behind the fit's back
-    let file = tempfile::tempfile().unwrap();
-    let cutting = Cutting(&file);
-    let found = fit_spilled(kept(Some(&cutting)), 0, pass, &file, &config());
-    assert!(matches!(found, Err(SpillError::Scratch(_))), "{found:?}");
-}
-
-/// Cuts the file off in the middle of the fit.
-struct Cutting<'a>(&'a File);
-
-impl Keeper for Cutting<'_> {
-    fn load(&self) -> Option<Vec<u8>> {
-        None
-    }
-
-    fn is_due(&self) -> bool {
-        true
-    }
-
-    fn save(&self, _: &[u8]) {
-        self.0.set_len(100_000).unwrap();
-    }
-}
-
-/// Keeps every state that it is given.
-#[derive(Default)]
-struct Album {
-    first: Option<Vec<u8>>,
-    states: RefCell<Vec<Vec<u8>>>,
-}
-
-impl Keeper for Album {
-    fn load(&self) -> Option<Vec<u8>> {
-        self.first.clone()
-    }
-
-    fn is_due(&self) -> bool {
-        true
-    }
-
-    fn save(&self, state: &[u8]) {
-        self.states.borrow_mut().push(state.to_vec());
-    }
-}
-
-/// Killed after any step and begun again from what was kept there: the same bits, and only the
-/// steps that were left.
-#[test]
-fn a_fit_goes_on_from_any_of_its_states() {
-    for exponential in [false, true] {
-        goes_on(&TrainConfig {
-            exponential,
-            ..config()
-        });
-    }
-    let mut kept = config();
-    kept.lm.reuse = 4;
-    goes_on(&kept);
-}
-
-fn goes_on(config: &TrainConfig) {
-    let cell = cell(0.02);
-    let whole = fit_from(kept(None), 0, samples(&cell), config).unwrap();
-    let album = Album::default();
-    assert_same(
-        &fit_from(kept(Some(&album)), 0, samples(&cell), config).unwrap(),
-        &whole,
-    );
-    let states = album.states.into_inner();
-    assert!(states.len() > 20, "{} states", states.len());
-    for (at, state) in states.iter().enumerate().step_by(3) {
-        let album = Album {
-            first: Some(state.clone()),
-            ..Album::default()
-        };
-        assert_same(
-            &fit_from(kept(Some(&album)), 0, samples(&cell), config).unwrap(),
-            &whole,
-        );
-        assert_eq!(album.states.into_inner(), states[at..]);
-    }
-    // a state of rows in memory is one of rows in a file
-    let album = Album {
-        first: states.last().cloned(),
-        ..Album::default()
-    };
-    assert_same(&spilled(&cell, 2000, config, Some(&album)), &whole);
-    assert_eq!(album.states.into_inner().len(), 1);
-}
-
-/// Bytes that are no state, or that of another fit, change nothing.
-#[test]
-fn a_state_of_another_fit_is_not_used() {
-    let cell = cell(0.02);
-    let other = TrainConfig {
-        size: Size::Hidden(vec![5]),
-        ..config()
-    };
-    let album = Album::default();
-    fit_from(kept(Some(&album)), 0, samples(&cell), &other).unwrap();
-    let states = album.states.into_inner();
-    let whole = fit_from(kept(None), 0, samples(&cell), &config()).unwrap();
-    for first in [
-        &states[0],
-        &states[states.len() / 2],
-        &vec![7; 801],
-        &vec![255; 800],
-    ] {
-        let album = Album {
-            first: Some(first.clone()),
-            ..Album::default()
-        };
-        assert_same(
-            &fit_from(kept(Some(&album)), 0, samples(&cell), &config()).unwrap(),
-            &whole,
-        );
+    let write_only = OpenOptions::new().write(true).open(&path).unwrap();
+    for unusable in [File::open(&path).unwrap(), write_only] {
+        let found = fit_spilled(None, 0, pass, &unusable, &config());
+        assert!(matches!(found, Err(SpillError::Scratch(_))), "{found:?}");
     }
 }
 
@@ -266,8 +133,8 @@ fn baselines_from_a_file() {
     let cell = cell(0.05);
     for kind in BASELINES {
         let config = baselines::config(kind);
-        let held = fit_from(Start::default(), 0, samples(&cell), &config).unwrap();
-        assert_same(&held, &spilled(&cell, 1000, &config, None));
+        let held = fit_from(None, 0, samples(&cell), &config).unwrap();
+        assert_same(&held, &spilled(&cell, 1000, &config));
     }
 }
 
