@@ -15,29 +15,8 @@ use crate::factors::Factors;
 use crate::gemm::{PAD_A, PAD_B};
 use crate::simd::{Lane, TILE, dot};
 use crate::tile::{CHANNELS, Tile};
+use rrf_lm::NormalEquations;
 use serde::{Deserialize, Serialize};
-
-/// Gauss-Newton normal equations: matrix JᵀWJ (symmetric, full, row-major) and vector JᵀWr.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Normal {
-    /// How many parameters.
-    pub n: usize,
-    /// `n * n` entries.
-    pub matrix: Vec<f64>,
-    /// `n` entries.
-    pub gradient: Vec<f64>,
-}
-
-impl Normal {
-    /// Zeros for `n` parameters.
-    pub fn zeros(n: usize) -> Normal {
-        Normal {
-            n,
-            matrix: vec![0.0; n * n],
-            gradient: vec![0.0; n],
-        }
-    }
-}
 
 /// Products of the layers p ≥ q over the rows: C = Aᵀ B, between pairs of units and pairs of inputs.
 struct Block {
@@ -200,7 +179,7 @@ impl Accumulator {
     }
 
     /// The sums as full normal equations.
-    pub fn finish(&self, normal: &mut Normal) {
+    pub fn finish(&self, normal: &mut NormalEquations) {
         let n = normal.n;
         self.finish_gradient(&mut normal.gradient);
         for block in &self.blocks {
@@ -214,7 +193,7 @@ impl Accumulator {
     }
 
     /// Writes one block where row ≥ column.
-    fn spread(&self, block: &Block, normal: &mut Normal) {
+    fn spread(&self, block: &Block, normal: &mut NormalEquations) {
         let Block { p, q, .. } = *block;
         let top = self.sizes.len() - 2;
         let (wp, wq) = (self.sizes[p] + 1, self.sizes[q] + 1);

@@ -4,7 +4,7 @@ use crate::chunk::Chunk;
 use crate::config::{Mode, TrainConfig};
 use crate::error::TrainError;
 use crate::fit::FitReport;
-use crate::lm::Stop;
+use crate::end::FitEnd;
 use crate::ordered::{Order, Ordered, Uses};
 use crate::prepare::{self, Noise, Samples};
 use crate::problem::Loss;
@@ -142,11 +142,11 @@ impl<'a> Cell<'a> {
     }
 
     /// Why no net is needed, if so.
-    pub fn trivial(&self) -> Option<Stop> {
+    pub fn trivial(&self) -> Option<FitEnd> {
         if self.train.len() == 0 {
-            Some(Stop::NoRows)
+            Some(FitEnd::NoRows)
         } else if self.units.output.constant || self.units.inputs.is_empty() {
-            Some(Stop::Constant)
+            Some(FitEnd::Constant)
         } else {
             None
         }

@@ -2,8 +2,8 @@
 
 use crate::blocks::Precision;
 use crate::error::TrainError;
-use crate::lm::LmConfig;
 use rrf_field::model::Kind;
+use rrf_lm::LmConfig;
 use serde::{Deserialize, Serialize};
 
 /// Weight decay α a residual: α‖w‖² times the number of residuals is added to the loss.

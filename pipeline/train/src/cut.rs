@@ -4,7 +4,7 @@
 //! leave much less than one over the whole, two nets do so too. Neither [`Rule`] is the better
 //! one in all scenes (docs/accuracy.md).
 
-use crate::linalg::Cholesky;
+use rrf_lm::Cholesky;
 use ndarray::{Array2, ArrayView2, Axis, s};
 use rrf_field::columns::{self, Columns};
 

@@ -2,13 +2,15 @@
 
 use crate::cell::Cell;
 use crate::config::Decay;
+use crate::evidence;
 use crate::fit::HistoryRow;
 use crate::judge::Judge;
-use crate::lm::{Levenberg, Step, Stop};
+use crate::end::FitEnd;
 use crate::logarithm::Logarithms;
 use crate::problem::{Loss, NetProblem};
 use crate::tile::Rows;
 use rrf_field::net::Shape;
+use rrf_lm::{LmConfig, Solver, Step, Termination};
 
 /// Accepted steps after which the luminances that validation errors are divided by are renewed:
 /// at each of the first few, then now and then.
@@ -42,7 +44,7 @@ pub(crate) struct Descent<'a> {
     pub start: u64,
     pub(crate) w: Vec<f64>,
     begin: Begin,
-    pub(crate) lm: Levenberg,
+    pub(crate) lm: Solver,
     /// Weight decay a residual.
     pub alpha: f64,
     /// Effective parameters.
@@ -73,8 +75,19 @@ impl<'a> Descent<'a> {
     }
 
     pub fn from_weights(cell: &'a Cell, shape: Shape, start: u64, w: Vec<f64>) -> Descent<'a> {
+        Descent::stepping(cell, shape, start, w, cell.config.lm)
+    }
+
+    /// The same with steps of its own kind.
+    pub fn stepping(
+        cell: &'a Cell,
+        shape: Shape,
+        start: u64,
+        w: Vec<f64>,
+        config: LmConfig,
+    ) -> Descent<'a> {
         Descent {
-            lm: Levenberg::new(w.len(), cell.config.lm),
+            lm: Solver::new(w.len(), config),
             alpha: cell.config.decay.start(),
             gamma: w.len() as f64,
             residuals: 0.0,
@@ -101,11 +114,11 @@ impl<'a> Descent<'a> {
 
     /// Damping at the end.
     pub fn mu(&self) -> f64 {
-        self.lm.mu
+        self.lm.damping()
     }
 
     /// Goes on from the best weights.
-    pub fn run(&mut self, leg: Leg) -> Stop {
+    pub fn run(&mut self, leg: Leg) -> FitEnd {
         let cell = self.cell;
         let rows = (cell.train.len() as f64 * leg.share).ceil() as usize;
         let part = cell.train.first(rows);
@@ -142,7 +155,7 @@ impl<'a> Descent<'a> {
         let mut start = NetProblem::new(&self.shape, rows, residuals as usize, Loss::Absolute)
             .precision(cell.config.precision);
         start.project(&mut self.w, alpha);
-        let mut lm = Levenberg::new(self.w.len(), cell.config.lm);
+        let mut lm = Solver::new(self.w.len(), cell.config.lm);
         for _ in 0..FIRST_STEPS {
             if lm.step(&mut start, &mut self.w, alpha).is_err() {
                 break;
@@ -155,13 +168,13 @@ impl<'a> Descent<'a> {
         problem: &mut NetProblem<impl Rows>,
         judge: &mut Judge,
         leg: Leg,
-    ) -> Stop {
+    ) -> FitEnd {
         let mut since_best = 0;
         for taken in 1..=leg.steps {
             let alpha = self.alpha * self.residuals;
             let step = match self.lm.step(problem, &mut self.w, alpha) {
                 Ok(step) => step,
-                Err(stop) => return stop,
+                Err(termination) => return termination.into(),
             };
             if renews_judge(taken) {
                 judge.renew(&self.best, problem.target_share());
@@ -176,16 +189,16 @@ impl<'a> Descent<'a> {
                 since_best = 0;
             }
             if since_best >= leg.patience {
-                return Stop::Validation;
+                return FitEnd::Validation;
             }
             if step.before - step.after <= self.cell.config.lm.cost * step.before {
-                return Stop::Cost;
+                return Termination::Cost.into();
             }
             if let (Decay::Evidence(_), 0) = (self.cell.config.decay, taken % EVIDENCE) {
                 self.decay_by_evidence(step.data);
             }
         }
-        Stop::Iterations
+        Termination::Iterations.into()
     }
 
     fn record(&mut self, step: &Step, validation: f64) {
@@ -194,22 +207,17 @@ impl<'a> Descent<'a> {
             residuals: self.residuals as usize,
             cost: step.data / self.residuals,
             validation,
-            mu: self.lm.mu,
+            mu: self.lm.damping(),
             gain: step.gain,
         });
     }
 
     fn decay_by_evidence(&mut self, data: f64) {
         let alpha = self.alpha * self.residuals;
-        if let Some(found) = self.lm.evidence(
-            alpha,
-            &self.w,
-            data,
-            self.residuals,
-            self.cell.noise.overcount,
-        ) {
-            self.alpha = found.alpha / self.residuals;
-            self.gamma = found.gamma;
+        if let Some(gamma) = self.lm.effective_parameters(alpha) {
+            let overcount = self.cell.noise.overcount;
+            self.alpha = evidence::decay(gamma, &self.w, data, self.residuals, overcount) / self.residuals;
+            self.gamma = gamma;
         }
     }
 }

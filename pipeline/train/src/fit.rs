@@ -7,7 +7,7 @@ use crate::descent::Descent;
 use crate::error::TrainError;
 use crate::halves::ErrorEstimate;
 use crate::judge::Judge;
-use crate::lm::Stop;
+use crate::end::FitEnd;
 use crate::online;
 use crate::prepare::Samples;
 use crate::prune::{self, Net};
@@ -15,6 +15,7 @@ use crate::search;
 use rrf_field::columns::Columns;
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
+use rrf_lm::Termination;
 use std::time::Instant;
 
 /// A fitted cell.
@@ -46,7 +47,7 @@ pub struct CellMetrics {
     /// Accepted steps.
     pub iterations: usize,
     /// Why the fit ended.
-    pub stop: Stop,
+    pub stop: FitEnd,
     /// Squared relative error over the training rows, free of Monte Carlo noise but not of what
     /// the net has learned of it: slightly low.
     pub train_error: ErrorEstimate,
@@ -137,7 +138,7 @@ pub(crate) fn fit_prepared(cell: u32, prepared: Cell) -> CellFit {
         Some(stop) => constant(cell, prepared, stop),
         None if !prepared.config.kind.is_net() => match baseline::fit(cell, &prepared) {
             Some(fit) => fit,
-            None => constant(cell, prepared, Stop::NotFinite),
+            None => constant(cell, prepared, Termination::NotFinite.into()),
         },
         None => train(cell, prepared),
     };
@@ -160,7 +161,7 @@ fn constant_suffices(prepared: &Cell) -> bool {
 }
 
 /// The weighted mean as a model without inputs.
-fn constant(cell: u32, prepared: Cell, stop: Stop) -> CellFit {
+fn constant(cell: u32, prepared: Cell, stop: FitEnd) -> CellFit {
     let prepared = prepared.without_inputs();
     let shape = prepared.shape(&[]);
     let ended = Ended {
@@ -180,12 +181,12 @@ fn train(cell: u32, mut prepared: Cell) -> CellFit {
     if constant_suffices(&prepared) {
         let unused = prepared.units.inputs.iter().map(|input| input.id);
         prepared.report.dropped_inputs.extend(unused);
-        return constant(cell, prepared, Stop::Target);
+        return constant(cell, prepared, FitEnd::Target);
     }
     let (mut ended, mut history) = match prepared.config.mode {
         Mode::Local => match local(&prepared) {
             Some(found) => found,
-            None => return constant(cell, prepared, Stop::NotFinite),
+            None => return constant(cell, prepared, Termination::NotFinite.into()),
         },
         Mode::Online(batches) | Mode::Recursive(batches) => online(&prepared, batches),
     };
@@ -216,7 +217,7 @@ fn online(prepared: &Cell, batches: Batches) -> (Ended, Vec<HistoryRow>) {
         shape,
         weights: found.best,
         error: found.error,
-        stop: found.stop,
+        stop: found.stop.into(),
         iterations: found.history.len(),
         mu: found.mu,
         alpha: prepared.config.decay.start(),
@@ -269,7 +270,7 @@ struct Ended {
     weights: Vec<f64>,
     /// Squared relative error on the choosing rows.
     error: f64,
-    stop: Stop,
+    stop: FitEnd,
     iterations: usize,
     mu: f64,
     alpha: f64,
@@ -277,7 +278,7 @@ struct Ended {
 }
 
 impl Ended {
-    fn of(best: Descent, stop: Stop) -> Ended {
+    fn of(best: Descent, stop: FitEnd) -> Ended {
         Ended {
             mu: best.mu(),
             iterations: best.history.len(),

@@ -1,13 +1,11 @@
-//! Levenberg-Marquardt training of a cell's net.
+//! Solver-Marquardt training of a cell's net.
 //!
 //! Rows and two half estimates go in, a [`fit::CellFit`] comes out:
 //!
 //! - [`prepare`] leaves out rows that are not finite, drops inputs that do not vary, scales;
 //! - [`tile`] runs a net over 128 rows at a time, [`blocks`] sums JᵀWJ from them without ever
 //!   forming J, on one matrix kernel ([`gemm`]) and a vectorised tanh ([`simd`]);
-//! - [`lm`] takes damped steps on any [`lm::Problem`], [`linalg`] factors;
-//!   other people's problems come in through [`dense`]; `conjugate` steps without a new matrix, by
-//!   the products of `tangent`;
+//! - `rrf_lm` takes damped steps;
 //! - [`problem`] makes a net and its relative loss such a problem;
 //! - [`rows`] holds the rows in memory, or reads them again at each pass from a file where they
 //!   are too many ([`spill`]);
@@ -25,21 +23,17 @@ pub mod blocks;
 mod cell;
 pub mod chunk;
 pub mod config;
-mod conjugate;
 mod curvature;
 pub mod cut;
-pub mod dense;
 mod descent;
+pub mod end;
 pub mod error;
-pub mod evidence;
+mod evidence;
 mod factors;
 pub mod fit;
 pub mod gemm;
 pub mod halves;
 mod judge;
-mod levenberg;
-pub mod linalg;
-pub mod lm;
 mod logarithm;
 pub mod online;
 mod ordered;
@@ -64,8 +58,9 @@ pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
 pub use error::TrainError;
 pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell, fit_from};
 pub use halves::ErrorEstimate;
-pub use lm::{LmConfig, Scaling, Stop};
+pub use end::FitEnd;
 pub use rrf_field::model::Kind;
+pub use rrf_lm::LmConfig;
 
 #[cfg(test)]
 mod made_up;

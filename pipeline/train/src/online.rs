@@ -11,14 +11,13 @@
 //! the batch's cost and the quadratic that the past costs look like from w₀ (the iterated
 //! extended Kalman filter: Bell, Cathey 1993; for nets Puskorius, Feldkamp 1994).
 
-use crate::blocks::Normal;
 use crate::cell::Cell;
 use crate::config::{Batches, Mode};
 use crate::fit::HistoryRow;
 use crate::judge::Judge;
-use crate::lm::{Levenberg, Problem, Stop};
 use crate::problem::NetProblem;
 use rrf_field::net::Shape;
+use rrf_lm::{NormalEquations, Problem, Solver, Termination};
 
 /// A problem with a quadratic penalty on leaving a point.
 pub struct Remembered<P> {
@@ -51,7 +50,7 @@ impl<P: Problem> Problem for Remembered<P> {
         self.batch.cost(w) + self.pull(w).1
     }
 
-    fn linearise(&mut self, w: &[f64], normal: &mut Normal) -> f64 {
+    fn linearise(&mut self, w: &[f64], normal: &mut NormalEquations) -> f64 {
         let cost = self.batch.linearise(w, normal);
         let (force, pull) = self.pull(w);
         for (a, m) in normal.matrix.iter_mut().zip(&self.memory) {
@@ -68,7 +67,7 @@ impl<P: Problem> Problem for Remembered<P> {
 pub(crate) struct Online {
     pub best: Vec<f64>,
     pub error: f64,
-    pub stop: Stop,
+    pub stop: Termination,
     pub mu: f64,
     pub history: Vec<HistoryRow>,
 }
@@ -82,7 +81,7 @@ pub(crate) fn train(cell: &Cell, shape: &Shape, batches: Batches) -> Online {
     let output = shape.offsets().last().copied().unwrap_or(0);
     w[output..].fill(0.0);
     let mut judge = Judge::choosing(cell, shape, 1.0);
-    let mut lm = Levenberg::new(n, cell.config.lm);
+    let mut lm = Solver::new(n, cell.config.lm);
     let mut memory = vec![0.0; n * n];
     let mut best = (f64::INFINITY, w.clone());
     let (mut history, mut share) = (Vec::new(), 1.0);
@@ -109,7 +108,7 @@ pub(crate) fn train(cell: &Cell, shape: &Shape, batches: Batches) -> Online {
         memory = problem.memory;
         if remembers {
             // The matrix of the last linearisation holds M + JᵀWJ of this batch.
-            memory.clone_from(&lm.normal.matrix);
+            memory.clone_from(&lm.normal_equations().matrix);
         }
         lm.settle();
         judge.renew(&w, share);
@@ -122,15 +121,15 @@ pub(crate) fn train(cell: &Cell, shape: &Shape, batches: Batches) -> Online {
             residuals,
             cost: last.map_or(f64::NAN, |step| step.data / residuals as f64),
             validation: error,
-            mu: lm.mu,
+            mu: lm.damping(),
             gain: last.map_or(f64::NAN, |step| step.gain),
         });
     }
     Online {
         error: best.0,
         best: best.1,
-        stop: Stop::Iterations,
-        mu: lm.mu,
+        stop: Termination::Iterations,
+        mu: lm.damping(),
         history,
     }
 }

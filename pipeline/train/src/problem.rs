@@ -1,13 +1,12 @@
-//! Training a net as a sum of squares: the [`Problem`] that Levenberg-Marquardt sees.
+//! Training a net as a sum of squares: the [`rrf_lm::Problem`] that Solver-Marquardt sees.
 
-use crate::blocks::{Accumulator, Normal, Precision};
+use crate::blocks::{Accumulator, Precision};
 use crate::curvature::second_derivative;
-use crate::linalg::Cholesky;
-use crate::lm::Problem;
 use crate::simd::TILE;
 use crate::tangent::Linearised;
 use crate::tile::{Rows, Tile};
 use rrf_field::net::Shape;
+use rrf_lm::{Cholesky, NormalEquations, Problem};
 
 /// How residuals are weighted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +61,7 @@ pub struct NetProblem<R: Rows> {
     output_sums: Accumulator,
     gradient_sums: Accumulator,
     linearised: Linearised,
-    output: Normal,
+    output: NormalEquations,
     factor: Cholesky,
     /// 1 / max(luminance, floor) of each row, whole tiles.
     divisor: Vec<f64>,
@@ -87,7 +86,7 @@ impl<R: Rows> NetProblem<R> {
             output_sums: Accumulator::output_layer(&tile),
             gradient_sums: Accumulator::gradient(&tile),
             linearised: Linearised::default(),
-            output: Normal::zeros(shape.weights() - first),
+            output: NormalEquations::zeros(shape.weights() - first),
             factor: Cholesky::default(),
             tile,
             divisor: vec![1.0; rows.len().next_multiple_of(TILE)],
@@ -214,7 +213,7 @@ impl<R: Rows> Problem for NetProblem<R> {
         sum
     }
 
-    fn linearise(&mut self, w: &[f64], normal: &mut Normal) -> f64 {
+    fn linearise(&mut self, w: &[f64], normal: &mut NormalEquations) -> f64 {
         let mut sum = 0.0;
         self.sums.clear();
         for first in (0..self.rows.len()).step_by(TILE) {

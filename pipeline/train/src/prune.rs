@@ -11,13 +11,11 @@
 //! weights that read the unit. Single weights are left alone: a dense layer would store them as
 //! zeros.
 
-use crate::blocks::Normal;
 use crate::cell::{Cell, TakenInput};
-use crate::descent::{Descent, Leg};
-use crate::linalg::Cholesky;
-use crate::lm::Problem;
+use crate::descent::{Begin, Descent, Leg};
 use crate::problem::NetProblem;
 use rrf_field::net::Shape;
+use rrf_lm::{Cholesky, LmConfig, NormalEquations, Problem};
 
 /// A net to be pruned.
 pub(crate) struct Net {
@@ -126,12 +124,16 @@ fn mended(
     inputs.sort_unstable_by(|a, b| b.cmp(a));
     let taken: Vec<TakenInput> = inputs.iter().map(|&place| cell.take_input(place)).collect();
     // exponents have no best output layer to begin with
+    let lm = LmConfig {
+        tau: NEAR,
+        ..cell.config.lm
+    };
+    let mended = Descent::stepping(cell, shape, 0, weights, lm);
     let mut mended = match cell.config.exponential {
-        true => Descent::going_on(cell, shape, weights),
-        false => Descent::from_weights(cell, shape, 0, weights),
+        true => mended.beginning(Begin::Fitted),
+        false => mended,
     };
     mended.alpha = net.alpha;
-    mended.lm.config.tau = NEAR;
     mended.run(MEND);
     let smaller = Net {
         error: mended.error,
@@ -197,7 +199,7 @@ impl Order {
 fn cheapest(cell: &Cell, net: &Net) -> Option<Order> {
     let rows = cell.train.first(usize::MAX);
     let residuals = rows.residuals().max(1);
-    let mut normal = Normal::zeros(net.weights.len());
+    let mut normal = NormalEquations::zeros(net.weights.len());
     let n = normal.n;
     NetProblem::new(&net.shape, rows, residuals, cell.loss)
         .exponential(cell.config.exponential)

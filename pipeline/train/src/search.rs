@@ -8,7 +8,7 @@
 use crate::cell::Cell;
 use crate::config::{LADDER, TrainConfig};
 use crate::descent::{Begin, Descent, Leg};
-use crate::lm::Stop;
+use crate::end::FitEnd;
 use rrf_field::net::Shape;
 
 /// Legs before the last, which runs on all rows: the share of the rows of each and how many
@@ -36,7 +36,7 @@ fn rungs(config: &TrainConfig, most: usize, rows: usize, weights: usize) -> Vec<
 const LEAST_ROWS: f64 = 3.0;
 
 /// The best net of a shape that the configuration's starts lead to.
-pub(crate) fn best_of_starts<'a>(cell: &'a Cell, shape: &Shape) -> Option<(Descent<'a>, Stop)> {
+pub(crate) fn best_of_starts<'a>(cell: &'a Cell, shape: &Shape) -> Option<(Descent<'a>, FitEnd)> {
     let config = cell.config;
     if let Some(w) = cell.earlier_weights(shape) {
         let going_on = vec![Descent::going_on(cell, shape.clone(), w)];
@@ -72,13 +72,13 @@ pub(crate) fn best_of_starts<'a>(cell: &'a Cell, shape: &Shape) -> Option<(Desce
 
 /// Climbs [`LADDER`] until a net's relative error is at most `target`; the best net of all
 /// where none is. Two rungs in a row without a gain of [`WORTHWHILE`] end the climb.
-pub(crate) fn smallest<'a>(cell: &'a Cell, target: f64) -> Option<(Descent<'a>, Stop)> {
-    let mut best: Option<(Descent, Stop)> = None;
+pub(crate) fn smallest<'a>(cell: &'a Cell, target: f64) -> Option<(Descent<'a>, FitEnd)> {
+    let mut best: Option<(Descent, FitEnd)> = None;
     let mut in_vain = 0;
     for hidden in LADDER {
         let (found, stop) = best_of_starts(cell, &cell.shape(hidden))?;
         if found.error <= target * target {
-            return Some((found, Stop::Target));
+            return Some((found, FitEnd::Target));
         }
         let before = best.as_ref().map_or(f64::INFINITY, |(best, _)| best.error);
         in_vain = if found.error < before * WORTHWHILE {
@@ -102,7 +102,7 @@ pub(crate) fn smaller<'a>(
     cell: &'a Cell,
     shape: &Shape,
     limit: f64,
-) -> Option<(Descent<'a>, Stop)> {
+) -> Option<(Descent<'a>, FitEnd)> {
     let weights = shape.weights();
     (LADDER.iter().rev().map(|hidden| cell.shape(hidden)))
         .filter(|smaller| smaller.weights() < weights)
@@ -124,13 +124,13 @@ fn finish<'a>(
     cell: &Cell,
     mut field: Vec<Descent<'a>>,
     patience: usize,
-) -> Option<(Descent<'a>, Stop)> {
+) -> Option<(Descent<'a>, FitEnd)> {
     let last = Leg {
         share: 1.0,
         steps: cell.config.iterations,
         patience,
     };
-    let stops: Vec<Stop> = field.iter_mut().map(|descent| descent.run(last)).collect();
+    let stops: Vec<FitEnd> = field.iter_mut().map(|descent| descent.run(last)).collect();
     field
         .into_iter()
         .zip(stops)

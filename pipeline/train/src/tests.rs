@@ -1,11 +1,11 @@
 //! The structured normal equations against a dense Jacobian, and whole fits.
 
-use crate::blocks::{Normal, Precision};
-use crate::lm::Problem;
+use crate::blocks::Precision;
 use crate::made_up::{self, RandomRows};
 use crate::problem::{Loss, NetProblem};
 use crate::simd::TILE;
 use rrf_field::net::{self, Shape};
+use rrf_lm::{NormalEquations, Problem};
 
 /// JᵀWJ, JᵀWr and D with J formed column by column from dual numbers; `exponential` outputs by
 /// the chain rule.
@@ -15,9 +15,9 @@ fn dense(
     rows: &RandomRows,
     floor: f64,
     exponential: bool,
-) -> (Normal, f64) {
+) -> (NormalEquations, f64) {
     let n = w.len();
-    let (mut normal, mut cost) = (Normal::zeros(n), 0.0);
+    let (mut normal, mut cost) = (NormalEquations::zeros(n), 0.0);
     for row in 0..rows.rows {
         let (x, target, gain, base) = rows.row(row, shape.sizes[0]);
         let mut out = net::evaluate(shape, w, &x);
@@ -90,7 +90,7 @@ fn structured_equals_dense() {
             };
             let mut problem =
                 NetProblem::new(&shape, &rows, 3 * count, loss).exponential(exponential);
-            let mut normal = Normal::zeros(w.len());
+            let mut normal = NormalEquations::zeros(w.len());
             let cost = problem.linearise(&w, &mut normal);
             let (expected, expected_cost) = dense(&shape, &w, &rows, 1.3, exponential);
             close(&normal.matrix, &expected.matrix, 1e-12);
@@ -127,7 +127,7 @@ fn single_precision_is_as_good_as_its_numbers() {
     let rows = RandomRows { seed: 5, rows: 300 };
     let with = |precision| {
         let mut problem = NetProblem::new(&shape, &rows, 900, Loss::Absolute).precision(precision);
-        let mut normal = Normal::zeros(w.len());
+        let mut normal = NormalEquations::zeros(w.len());
         let cost = problem.linearise(&w, &mut normal);
         (normal, cost)
     };
@@ -181,7 +181,7 @@ fn check_curvature(exponential: bool) {
     let w = made_up::weights(&shape, 1, 0.9);
     let v = made_up::weights(&shape, 2, 0.9);
     let mut problem = NetProblem::new(&shape, &rows, 450, Loss::Absolute).exponential(exponential);
-    problem.linearise(&w, &mut Normal::zeros(w.len()));
+    problem.linearise(&w, &mut NormalEquations::zeros(w.len()));
     let mut found = vec![0.0; w.len()];
     assert!(problem.curvature(&w, &v, &mut found));
     let h = 1e-3;

@@ -1,4 +1,4 @@
-//! One Levenberg-Marquardt iteration against the processor's own bound, and a whole fit.
+//! One Solver-Marquardt iteration against the processor's own bound, and a whole fit.
 //!
 //! `cargo bench -p rrf-train`. One thread, CPU time (wall time is not one's own on a machine that
 //! others use). The iteration is that of a 12-20-10-3 net (503
@@ -15,8 +15,8 @@ use multiversion::target::target_cfg_f;
 use rrf_field::columns::Columns;
 use rrf_field::net::Shape;
 use rrf_field::rng::{Stage, Stream};
-use rrf_train::blocks::{Normal, Precision};
-use rrf_train::lm::{Levenberg, LmConfig, Problem};
+use rrf_lm::{LmConfig, NormalEquations, Problem, Solver};
+use rrf_train::blocks::Precision;
 use rrf_train::problem::{Loss, NetProblem};
 use rrf_train::simd::{TILE, fma};
 use rrf_train::tile::{Batch, Rows};
@@ -132,7 +132,7 @@ fn iteration(c: &mut Criterion<CpuTime>) {
     group.bench_function("peak", |b| b.iter(|| peak(count, black_box(0.999))));
     let mut problem = NetProblem::new(&shape(), MadeUp::new(), 3 * ROWS, Loss::Absolute);
     let w = first_weights();
-    let mut normal = Normal::zeros(w.len());
+    let mut normal = NormalEquations::zeros(w.len());
     group.bench_function("normal equations", |b| {
         b.iter(|| problem.linearise(black_box(&w), &mut normal))
     });
@@ -149,14 +149,14 @@ fn iteration(c: &mut Criterion<CpuTime>) {
     group.bench_function("product with the normal equations' matrix", |b| {
         b.iter(|| problem.product(black_box(&w), &mut out))
     });
-    let mut lm = Levenberg::new(w.len(), LmConfig::default());
+    let mut lm = Solver::new(w.len(), LmConfig::default());
     group.bench_function("iteration", |b| {
         b.iter(|| {
             let mut w = w.clone();
             lm.step(&mut problem, &mut w, 1e-3)
         });
     });
-    let mut lm = Levenberg::new(w.len(), LmConfig::default());
+    let mut lm = Solver::new(w.len(), LmConfig::default());
     group.bench_function("iteration, f32 products", |b| {
         b.iter(|| {
             let mut w = w.clone();

@@ -1,6 +1,7 @@
 //! Named sets of options.
 
-use rrf_train::{Batches, Decay, LmConfig, Mode, Scaling, Size, TrainConfig};
+use rrf_lm::{LmConfig, Scaling};
+use rrf_train::{Batches, Decay, Mode, Size, TrainConfig};
 
 fn lm(change: impl Fn(&mut LmConfig)) -> TrainConfig {
     let mut config = TrainConfig::default();

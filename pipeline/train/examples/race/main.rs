@@ -12,11 +12,11 @@
 //! rows kept back. The time for the last is not counted.
 
 use rrf_field::net::Shape;
-use rrf_train::lm::{Levenberg, Problem};
+use rrf_lm::{LmConfig, Problem, Solver};
 use rrf_train::problem::{Loss, NetProblem};
 use rrf_train::simd::TILE;
 use rrf_train::tile::{Batch, Rows};
-use rrf_train::{LmConfig, Precision};
+use rrf_train::Precision;
 use std::error::Error;
 
 /// A stretch of the problem's rows.
@@ -114,7 +114,7 @@ struct Fit<'a> {
     shape: Shape,
     kept: Part<'a>,
     w: Vec<f64>,
-    lm: Levenberg,
+    lm: Solver,
     precision: Precision,
     /// Rows of the last leg; the damping is in their proportion.
     rows: usize,
@@ -126,7 +126,7 @@ impl<'a> Fit<'a> {
         let shape = Shape {
             sizes: vec![kept.inputs, 20, 10, 3],
         };
-        let lm = Levenberg::new(w.len(), config);
+        let lm = Solver::new(w.len(), config);
         Fit {
             shape,
             kept,

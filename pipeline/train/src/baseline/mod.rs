@@ -14,7 +14,7 @@ mod weighing;
 use crate::cell::Cell;
 use crate::fit::{CellFit, CellMetrics};
 use crate::halves::ErrorEstimate;
-use crate::lm::Stop;
+use crate::end::FitEnd;
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 
@@ -102,7 +102,7 @@ fn metrics(
         validation_rows: prepared.validation.len(),
         quarantined_rows: prepared.report.quarantined.len(),
         iterations: 0,
-        stop: Stop::Solved,
+        stop: FitEnd::Solved,
         train_error,
         validation_error,
         alpha: ridge,

@@ -3,7 +3,7 @@
 use super::Solved;
 use super::weighing::{Row, Weighing};
 use crate::cell::Cell;
-use crate::linalg::Cholesky;
+use rrf_lm::Cholesky;
 use crate::tile::CHANNELS;
 use rrf_field::quadratic::{count, terms};
 

@@ -7,7 +7,7 @@ use rrf_field::model::CellModel;
 use rrf_field::tree::Tree;
 use rrf_train::prepare::Samples;
 use rrf_train::{
-    Batches, CellFit, Kind, Mode, Stop, TrainConfig, TrainError, fit_cell, fit_from,
+    Batches, CellFit, Kind, Mode, FitEnd, TrainConfig, TrainError, fit_cell, fit_from,
 };
 
 pub fn config(kind: Kind) -> TrainConfig {
@@ -43,7 +43,7 @@ fn a_quadratic_is_fitted_to_rounding() {
     let fit = fit(&cell, &config(Kind::Quadratic));
     assert_eq!(
         (fit.metrics.stop, fit.metrics.iterations),
-        (Stop::Solved, 0)
+        (FitEnd::Solved, 0)
     );
     // 8 inputs: 1 + 8 + 36 terms
     assert_eq!(
@@ -141,14 +141,14 @@ fn few_rows_and_dark_ones_give_a_model() {
         // fewer rows than terms: only a ridge makes them solvable
         let few = fit(&Cell::new(20, 0.05, smooth), &config(kind));
         assert!(few.model.weights.iter().all(|w| w.is_finite()), "{kind:?}");
-        assert_eq!(few.metrics.stop, Stop::Solved);
+        assert_eq!(few.metrics.stop, FitEnd::Solved);
         let dark = fit(&Cell::new(50, 0.0, |_| [0.0; 3]), &config(kind));
         assert_eq!(
             (dark.metrics.stop, dark.model.kind),
-            (Stop::Constant, Kind::Net)
+            (FitEnd::Constant, Kind::Net)
         );
         let none = fit(&Cell::new(0, 0.0, smooth), &config(kind));
-        assert_eq!(none.metrics.stop, Stop::NoRows);
+        assert_eq!(none.metrics.stop, FitEnd::NoRows);
     }
 }
 

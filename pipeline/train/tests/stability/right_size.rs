@@ -1,7 +1,7 @@
 //! The smallest model that will do, and no input that earns nothing.
 
 use crate::cells::{self, Cell, Row, smooth};
-use rrf_train::{Size, Stop, TrainConfig};
+use rrf_train::{FitEnd, Size, TrainConfig};
 
 fn smallest(target: f64) -> TrainConfig {
     TrainConfig {
@@ -23,7 +23,7 @@ fn linear() {
         cells::names(&fit.report.dropped_inputs),
         ["py", "vx", "vy", "vz", "lx", "ly"]
     );
-    assert_eq!(fit.metrics.stop, Stop::Target);
+    assert_eq!(fit.metrics.stop, FitEnd::Target);
     assert!(cell.error(&fit.model, y) < 0.02);
 }
 
@@ -79,7 +79,7 @@ fn noisy_constant() {
     let cell = Cell::new(900, 0.3, |_| [1.0, 0.5, 2.0]);
     let fit = cell.fit(&smallest(0.05));
     assert_eq!(fit.model.shape.sizes, [0, 3]);
-    assert_eq!(fit.metrics.stop, Stop::Target);
+    assert_eq!(fit.metrics.stop, FitEnd::Target);
     assert_eq!(cells::names(&fit.report.dropped_inputs), cells::INPUTS);
 }
 
@@ -91,6 +91,6 @@ fn out_of_reach() {
         prune: None,
         ..smallest(0.001)
     });
-    assert_ne!(fit.metrics.stop, Stop::Target);
+    assert_ne!(fit.metrics.stop, FitEnd::Target);
     assert!(fit.model.shape.sizes.len() == 4);
 }

@@ -1,7 +1,7 @@
 //! Too few samples.
 
 use crate::cells::{self, Cell, smooth};
-use rrf_train::{Decay, Size, Stop, TrainConfig};
+use rrf_train::{Decay, FitEnd, Size, TrainConfig};
 
 /// 60 rows for 503 weights: the evidence holds the net back, validation picks the weights.
 #[test]
@@ -18,7 +18,7 @@ fn fewer_samples_than_weights() {
         inputs: vec!["nz".into()],
         ..config.clone()
     });
-    assert_eq!(constant.metrics.stop, Stop::Constant);
+    assert_eq!(constant.metrics.stop, FitEnd::Constant);
     let [net, mean] = [&fit, &constant].map(|fit| fit.metrics.validation_error.relative());
     assert!(net < mean, "{net}, the mean alone {mean}");
     // without any decay the equations are singular; the damping alone must do
@@ -34,11 +34,11 @@ fn one_sample_and_none() {
     let fit = one.fit(&cells::config());
     assert_eq!(
         (fit.metrics.stop, fit.metrics.train_rows),
-        (Stop::Constant, 1)
+        (FitEnd::Constant, 1)
     );
     assert!(one.error(&fit.model, smooth) < 1e-6);
     let none = Cell::new(0, 0.0, smooth).fit(&cells::config());
-    assert_eq!((none.metrics.stop, none.metrics.rows), (Stop::NoRows, 0));
+    assert_eq!((none.metrics.stop, none.metrics.rows), (FitEnd::NoRows, 0));
     assert_eq!(none.model.output_offset, [0.0; 3]);
 }
 
@@ -56,7 +56,7 @@ fn all_rows_kept_back() {
     let fit = cell.fit(&cells::config());
     assert_eq!(
         (fit.metrics.stop, fit.metrics.validation_rows),
-        (Stop::NoRows, 30)
+        (FitEnd::NoRows, 30)
     );
 }
 

@@ -2,12 +2,10 @@
 
 use rrf_field::net::{self, Shape};
 use rrf_field::rng::{Stage, Stream};
-use rrf_train::blocks::Normal;
-use rrf_train::lm::{self, Levenberg, LmConfig, Problem};
+use rrf_lm::{LmConfig, Minimum, NormalEquations, Problem, Scaling, Solver, Termination, minimise};
 use rrf_train::problem::{Loss, NetProblem};
 use rrf_train::simd::TILE;
 use rrf_train::tile::{Batch, Rows};
-use rrf_train::{Scaling, Stop};
 
 /// 400 rows of three inputs whose targets a net of the same shape made: an exact teacher.
 pub struct Taught {
@@ -64,12 +62,12 @@ impl Rows for Taught {
 }
 
 /// Steps from `w`; every weight stays finite, the cost never rises.
-fn descend(w: &mut [f64], config: LmConfig, alpha: f64) -> lm::Outcome {
+fn descend(w: &mut [f64], config: LmConfig, alpha: f64) -> Minimum {
     let taught = Taught::new();
     let mut problem = taught.problem();
-    let start = problem.linearise(w, &mut Normal::zeros(w.len()))
+    let start = problem.linearise(w, &mut NormalEquations::zeros(w.len()))
         + alpha * w.iter().map(|w| w * w).sum::<f64>();
-    let outcome = lm::minimise(&mut problem, w, alpha, config, 300);
+    let outcome = minimise(&mut problem, w, alpha, config, 300);
     assert!(w.iter().all(|w| w.is_finite()));
     assert!(
         outcome.cost <= start * (1.0 + 1e-9),
@@ -167,9 +165,9 @@ fn marquardts_scaling_fails_on_saturated_units() {
             ..LmConfig::default()
         };
         let mut w = start.clone();
-        Levenberg::new(w.len(), config).step(&mut taught.problem(), &mut w, 0.0)
+        Solver::new(w.len(), config).step(&mut taught.problem(), &mut w, 0.0)
     };
-    assert_eq!(step(Scaling::Marquardt), Err(Stop::Damping));
+    assert_eq!(step(Scaling::Marquardt), Err(Termination::Damping));
     for scaling in [
         Scaling::Identity,
         Scaling::More,
@@ -179,39 +177,6 @@ fn marquardts_scaling_fails_on_saturated_units() {
     }
 }
 
-/// A problem whose cost rises whichever way one steps: its gradient lies.
-struct Lying;
-
-impl Problem for Lying {
-    fn parameters(&self) -> usize {
-        1
-    }
-
-    fn cost(&mut self, w: &[f64]) -> f64 {
-        1.0 + w[0].abs()
-    }
-
-    fn linearise(&mut self, w: &[f64], normal: &mut Normal) -> f64 {
-        normal.matrix[0] = 1.0;
-        normal.gradient[0] = 1.0;
-        1.0 + w[0].abs()
-    }
-}
-
-/// The damping is raised to its maximum, then the fit says so and leaves the weights alone.
-#[test]
-fn damping_at_its_maximum() {
-    let config = LmConfig {
-        step: 0.0,
-        ..LmConfig::default()
-    };
-    let mut w = [0.0];
-    let mut lm = Levenberg::new(1, config);
-    assert_eq!(lm.step(&mut Lying, &mut w, 0.0), Err(Stop::Damping));
-    assert!(lm.mu > config.damping_max && lm.mu.is_finite());
-    assert_eq!(w, [0.0]);
-}
-
 /// A start whose cost is not finite is refused.
 #[test]
 fn a_start_that_is_not_finite() {
@@ -219,6 +184,6 @@ fn a_start_that_is_not_finite() {
     let mut w = taught.teacher.clone();
     w[0] = f64::NAN;
     let stop =
-        Levenberg::new(w.len(), LmConfig::default()).step(&mut taught.problem(), &mut w, 0.0);
-    assert_eq!(stop, Err(Stop::NotFinite));
+        Solver::new(w.len(), LmConfig::default()).step(&mut taught.problem(), &mut w, 0.0);
+    assert_eq!(stop, Err(Termination::NotFinite));
 }

@@ -1,7 +1,7 @@
 //! Targets that are not what a net expects: fireflies, NaN, constants, edges.
 
 use crate::cells::{self, Cell, smooth};
-use rrf_train::Stop;
+use rrf_train::FitEnd;
 
 /// One target a million times too bright, as a path that found the light by chance leaves it:
 /// in one half. The relative loss divides by it, so that it counts as one wrong row of many.
@@ -45,18 +45,18 @@ fn nothing_but_nan() {
     let mut cell = Cell::new(50, 0.0, smooth);
     cell.halves[1].fill([f32::NAN; 3]);
     let fit = cell.fit(&cells::config());
-    assert_eq!(fit.metrics.stop, Stop::NoRows);
+    assert_eq!(fit.metrics.stop, FitEnd::NoRows);
     assert_eq!(fit.metrics.quarantined_rows, 50);
 }
 
 #[test]
 fn a_constant_target_is_a_constant() {
     let fit = Cell::new(300, 0.0, |_| [0.5, 0.25, 2.0]).fit(&cells::config());
-    assert_eq!(fit.metrics.stop, Stop::Constant);
+    assert_eq!(fit.metrics.stop, FitEnd::Constant);
     assert_eq!(fit.model.shape.sizes, [0, 3]);
     assert_eq!(fit.model.output_offset, [0.5, 0.25, 2.0]);
     let black = Cell::new(300, 0.0, |_| [0.0; 3]).fit(&cells::config());
-    assert_eq!(black.metrics.stop, Stop::Constant);
+    assert_eq!(black.metrics.stop, FitEnd::Constant);
     assert_eq!(black.model.output_offset, [0.0; 3]);
 }
 

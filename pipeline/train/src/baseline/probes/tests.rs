@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::config::TrainConfig;
-use crate::linalg::Cholesky;
+use rrf_lm::Cholesky;
 use crate::prepare::Samples;
 use rrf_field::columns::{BASE, COUNT, Columns};
 use rrf_field::model::Kind;

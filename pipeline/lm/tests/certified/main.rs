@@ -1,4 +1,4 @@
-//! The Levenberg-Marquardt core on problems whose solutions others certified.
+//! The solver on problems whose solutions others certified.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

@@ -2,8 +2,7 @@
 
 use crate::dual::Dual;
 use crate::models::{MODELS, Model};
-use rrf_train::dense::{Dense, Residuals};
-use rrf_train::lm::{self, LmConfig, Scaling};
+use rrf_lm::{Dense, LmConfig, Residuals, Scaling, minimise};
 use std::path::Path;
 
 struct Set {
@@ -111,13 +110,13 @@ fn certified_values() {
         let set = read(name, logarithm, model);
         for (start, from) in set.starts.iter().enumerate() {
             let mut w = from.clone();
-            let outcome = lm::minimise(&mut Dense::new(&set), &mut w, 0.0, config, 5_000);
+            let outcome = minimise(&mut Dense::new(&set), &mut w, 0.0, config, 5_000);
             let digits = digits(&w, &set.certified);
             println!(
                 "{name:10} start {} {digits:5.1} digits, {:4} steps, {:?}",
                 start + 1,
                 outcome.iterations,
-                outcome.stop
+                outcome.termination
             );
             reached.push(digits);
         }

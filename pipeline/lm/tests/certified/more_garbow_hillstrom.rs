@@ -2,8 +2,7 @@
 //! ACM TOMS 7(1), 1981: starts, and sums of squares at the minimum, as the paper states them.
 
 use crate::dual::Dual;
-use rrf_train::dense::{Dense, Residuals};
-use rrf_train::lm::{self, LmConfig, Scaling};
+use rrf_lm::{Dense, LmConfig, Residuals, Scaling, minimise};
 
 type Function = fn(&[Dual]) -> Vec<Dual>;
 
@@ -253,7 +252,7 @@ fn sums_of_squares() {
                 ..LmConfig::exact()
             };
             let mut w: Vec<f64> = case.start.iter().map(|x| times * x).collect();
-            let outcome = lm::minimise(&mut Dense::new(case), &mut w, 0.0, config, 2_000);
+            let outcome = minimise(&mut Dense::new(case), &mut w, 0.0, config, 2_000);
             let fits = |minimum: &f64| {
                 let tolerance = if *minimum == 0.0 {
                     1e-20
@@ -269,7 +268,7 @@ fn sums_of_squares() {
                 format!("{scaling:?}"),
                 outcome.cost,
                 outcome.iterations,
-                outcome.stop,
+                outcome.termination,
                 if found { "" } else { "  NOT A MINIMUM" }
             );
             if !found {

@@ -1,7 +1,7 @@
 //! Every call into LAPACK, through `ndarray-linalg`: Cholesky factors of small dense matrices.
 //!
-//! OpenBLAS is told to use one thread: nets are trained in parallel, one thread a net, and its
-//! own threads would only contend with them.
+//! OpenBLAS is told to use one thread: callers solve many small problems in parallel, one thread
+//! a problem, and its own threads would only contend with them.
 
 use ndarray::{ArrayView2, ArrayViewMut1, ArrayViewMut2, ShapeBuilder, ShapeError};
 use ndarray_linalg::cholesky::{CholeskyFactorized, InverseCInto, SolveC};

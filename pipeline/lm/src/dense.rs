@@ -1,8 +1,7 @@
-//! Any residuals with a dense Jacobian as a [`Problem`]: the solver of nets on other people's
-//! problems.
+//! Any residuals with a dense Jacobian as a [`Problem`].
 
-use crate::blocks::Normal;
-use crate::lm::Problem;
+use crate::problem::{NormalEquations, Problem};
+use crate::vector::{add, dot};
 
 /// m residuals of n parameters.
 pub trait Residuals {
@@ -33,6 +32,17 @@ impl<R: Residuals> Dense<R> {
             residuals,
         }
     }
+
+    /// The Jacobian and the residuals at `w`; Jᵀr into `gradient`, the cost returned.
+    fn fill(&mut self, w: &[f64], gradient: &mut [f64]) -> f64 {
+        self.residuals.jacobian(w, &mut self.j);
+        let cost = self.cost(w);
+        gradient.fill(0.0);
+        for (row, r) in self.j.chunks_exact(w.len().max(1)).zip(&self.r) {
+            add(gradient, *r, row);
+        }
+        cost
+    }
 }
 
 /// Step of the difference that the second derivative is taken from, as a share of v; Transtrum
@@ -49,21 +59,28 @@ impl<R: Residuals> Problem for Dense<R> {
         self.r.iter().map(|r| r * r).sum()
     }
 
-    fn linearise(&mut self, w: &[f64], normal: &mut Normal) -> f64 {
+    fn linearise(&mut self, w: &[f64], normal: &mut NormalEquations) -> f64 {
         let n = w.len();
-        self.residuals.jacobian(w, &mut self.j);
-        let cost = self.cost(w);
+        let cost = self.fill(w, &mut normal.gradient);
         normal.matrix.fill(0.0);
-        normal.gradient.fill(0.0);
-        for (row, r) in self.j.chunks_exact(n.max(1)).zip(&self.r) {
-            for i in 0..n {
-                normal.gradient[i] += row[i] * r;
-                for k in 0..n {
-                    normal.matrix[i * n + k] += row[i] * row[k];
-                }
+        for row in self.j.chunks_exact(n.max(1)) {
+            for (x, to) in row.iter().zip(normal.matrix.chunks_exact_mut(n.max(1))) {
+                add(to, *x, row);
             }
         }
         cost
+    }
+
+    fn gradient(&mut self, w: &[f64], out: &mut [f64]) -> Option<f64> {
+        Some(self.fill(w, out))
+    }
+
+    fn product(&mut self, v: &[f64], out: &mut [f64]) -> bool {
+        out.fill(0.0);
+        for row in self.j.chunks_exact(v.len().max(1)) {
+            add(out, dot(row, v), row);
+        }
+        true
     }
 
     /// r'' ≈ 2/h ((r(w + h v) − r(w)) / h − J v), J as last linearised.
@@ -76,11 +93,8 @@ impl<R: Residuals> Problem for Dense<R> {
         out.fill(0.0);
         let rows = self.j.chunks_exact(v.len().max(1));
         for ((row, ahead), r) in rows.zip(&ahead).zip(&self.r) {
-            let slope: f64 = row.iter().zip(v).map(|(j, v)| j * v).sum();
-            let second = 2.0 / h * ((ahead - r) / h - slope);
-            for (out, j) in out.iter_mut().zip(row) {
-                *out += j * second;
-            }
+            let second = 2.0 / h * ((ahead - r) / h - dot(row, v));
+            add(out, second, row);
         }
         out.iter().all(|o| o.is_finite())
     }
