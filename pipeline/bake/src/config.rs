@@ -52,7 +52,7 @@ impl BakeConfig {
         let small_cells = preset != Preset::Preview;
         let mut train = TrainConfig {
             seed,
-            told_by_place: small_cells,
+            drop_redundant: small_cells,
             exponential: true,
             precision: Precision::Single,
             lm: LmConfig {

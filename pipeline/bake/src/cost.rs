@@ -6,7 +6,8 @@
 
 use crate::plan::{CellPlan, DrawPlan, MOST_ROWS, PartPlan};
 use rrf_trace::Tracer;
-use rrf_train::{Kind, LADDER, Size, TrainConfig, spill};
+use rrf_train::fit::spill;
+use rrf_train::{ARCHITECTURES, Kind, Size, TrainConfig};
 
 /// Seconds a path of extraction among [`FEW`] triangles, the power that they go with beyond these, and
 /// how much longer it takes to look at flat glossy surfaces as well.
@@ -98,8 +99,8 @@ fn some_weights(size: &Size, config: &TrainConfig) -> u64 {
     match size {
         Size::Hidden(hidden) => weights(inputs, hidden),
         // the ladder is climbed until the target is reached: the middle
-        Size::Smallest { .. } => LADDER
-            .get(LADDER.len() / 2)
+        Size::Smallest { .. } => ARCHITECTURES
+            .get(ARCHITECTURES.len() / 2)
             .map_or(SOME_WEIGHTS, |hidden| weights(inputs, hidden)),
     }
 }

@@ -13,9 +13,8 @@ use rrf_store::layout::{fit_folder, staging_folder};
 use rrf_store::model::{self, CellMetrics, Domain, Fit, FitStep, SquareError};
 use rrf_store::samples::SampleTable;
 use rrf_store::{StoreError, atomic};
-use rrf_train::prepare::Samples;
-use rrf_train::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, ErrorEstimate, HistoryRow, TrainConfig, fit_from};
+use rrf_train::fit::spill::{SpillError, fit_spilled};
+use rrf_train::{CellFit, ErrorEstimate, HistoryRow, Samples, TrainConfig, fit_from};
 
 /// Fits a cell and writes the fit.
 pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), BakeError> {
@@ -27,10 +26,10 @@ pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), Bak
         true => spilled(run, job, config, earlier.as_ref()),
         false => held(run, job, config, earlier.as_ref()),
     }?;
-    let steps: Vec<FitStep> = fit.report.history.iter().map(step).collect();
+    let steps: Vec<FitStep> = (1..).zip(&fit.history).map(step).collect();
     let fit = Fit {
         domain: seen.domain,
-        metrics: metrics(&fit.metrics, seen.noise(), cell.fitted),
+        metrics: metrics(&fit, run.config.train.seed, seen.noise(), cell.fitted),
         model: fit.model,
         task: task.hash.clone(),
     };
@@ -40,14 +39,14 @@ pub(crate) fn train(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), Bak
     Ok(())
 }
 
-fn step(row: &HistoryRow) -> FitStep {
+fn step((step, row): (u32, &HistoryRow)) -> FitStep {
     let known = |x: f64| x.is_finite().then_some(x);
     FitStep {
-        step: row.iteration as u32,
+        step,
         residuals: row.residuals as u64,
         cost: known(row.cost),
         square_error: known(row.validation),
-        damping: row.mu,
+        damping: row.damping,
         gain: known(row.gain),
     }
 }
@@ -82,7 +81,7 @@ fn held(
     let held_out = held_out(&table, config.seed);
     let samples = samples(&table, &held_out);
     let fit = fit_from(earlier, cell.cell, samples, &config)?;
-    seen.add_noise(&table, fit.metrics.floor);
+    seen.add_noise(&table, fit.floor);
     Ok((fit, seen))
 }
 
@@ -117,7 +116,7 @@ fn spilled(
             }),
         })?;
     each_part(run, cell, &mut |table| {
-        seen.add_noise(table, fit.metrics.floor);
+        seen.add_noise(table, fit.floor);
     })?;
     Ok((fit, seen))
 }
@@ -190,7 +189,7 @@ impl Seen {
     }
 }
 
-fn metrics(fit: &rrf_train::CellMetrics, noise: Option<f64>, round: u32) -> CellMetrics {
+fn metrics(fit: &CellFit, seed: u64, noise: Option<f64>, round: u32) -> CellMetrics {
     let error = |e: &ErrorEstimate| {
         (e.rows > 0).then_some(SquareError {
             mean: e.square,
@@ -198,22 +197,22 @@ fn metrics(fit: &rrf_train::CellMetrics, noise: Option<f64>, round: u32) -> Cell
         })
     };
     CellMetrics {
-        cell_id: fit.cell,
+        cell_id: fit.model.cell,
         round,
         rows: fit.rows as u64,
         train_rows: fit.train_rows as u64,
         validation_rows: fit.validation_rows as u64,
-        quarantined_rows: fit.quarantined_rows as u64,
-        iterations: fit.iterations as u32,
-        stop_reason: fit.stop.name().into(),
+        quarantined_rows: fit.quarantined.len() as u64,
+        iterations: fit.history.len() as u32,
+        stop_reason: fit.end.name().into(),
         train: error(&fit.train_error),
         validation: error(&fit.validation_error),
         noise,
         effective_parameters: Some(fit.effective_parameters),
         alpha: fit.alpha,
-        damping: fit.mu,
-        weights: fit.weights as u32,
-        seed: fit.seed,
+        damping: fit.damping,
+        weights: fit.model.weights.len() as u32,
+        seed,
         seams: None,
     }
 }

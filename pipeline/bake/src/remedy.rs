@@ -15,7 +15,7 @@ use crate::work::read_some;
 use crate::{error::BakeError, task::fit_config};
 use rrf_store::samples::SampleTable;
 use rrf_train::cut::{Cut, Rule, best_cut};
-use rrf_train::{LADDER, Size};
+use rrf_train::{ARCHITECTURES, Size};
 use serde::{Deserialize, Serialize};
 
 /// What may be done about a cell.
@@ -158,7 +158,9 @@ fn larger(size: &Size) -> Option<Size> {
         return None;
     };
     let units: usize = hidden.iter().sum();
-    let next = LADDER.iter().find(|n| n.iter().sum::<usize>() > units)?;
+    let next = ARCHITECTURES
+        .iter()
+        .find(|n| n.iter().sum::<usize>() > units)?;
     Some(Size::Hidden(next.to_vec()))
 }
 

@@ -271,7 +271,7 @@ fn fit_hash(
 /// The trainer's settings for one cell.
 pub(crate) fn fit_config(run: &Run, mean_luminance: f32, cell: &CellPlan) -> TrainConfig {
     TrainConfig {
-        mean_luminance: Some(mean_luminance),
+        mean_radiance: Some(mean_luminance),
         size: cell.size.clone(),
         prune: cell.prune.or(run.config.train.prune),
         ..run.config.train.clone()

@@ -15,7 +15,7 @@ use rrf_store::layout::TEST;
 use rrf_store::parts;
 use rrf_store::samples::SampleTable;
 use rrf_train::halves::{ErrorEstimate, product};
-use rrf_train::prepare::luminance;
+use rrf_train::channel_mean;
 use serde::{Deserialize, Serialize};
 
 /// Error of the whole on the test rows.
@@ -190,7 +190,7 @@ fn answered(field: &Field, table: &SampleTable) -> Result<Vec<Row>, BakeError> {
 fn error(rows: &[Row], floor: f64) -> ErrorEstimate {
     let by = |share: f64| -> (ErrorEstimate, f64) {
         let divisor = |row: &Row| {
-            let mixed = share * luminance(row.y()) + (1.0 - share) * luminance(row.p);
+            let mixed = share * channel_mean(row.y()) + (1.0 - share) * channel_mean(row.p);
             1.0 / mixed.max(floor)
         };
         let value = |row: &Row| product(row.p, row.halves[0], row.halves[1], divisor(row));

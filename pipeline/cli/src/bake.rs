@@ -100,16 +100,16 @@ pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
 /// corrects what the earlier ones taught.
 const BATCH_STEPS: [usize; 2] = [10, 3];
 
-fn mode(args: &TrainArgs) -> rrf_train::Mode {
+fn mode(args: &TrainArgs) -> rrf_train::Schedule {
     let batches = |steps| rrf_train::Batches {
         rows: args.batch as usize,
         steps,
     };
     let [online, recursive] = BATCH_STEPS;
     match args.mode {
-        TrainMode::Local => rrf_train::Mode::Local,
-        TrainMode::Online => rrf_train::Mode::Online(batches(online)),
-        TrainMode::Recursive => rrf_train::Mode::Recursive(batches(recursive)),
+        TrainMode::Local => rrf_train::Schedule::Local,
+        TrainMode::Online => rrf_train::Schedule::Online(batches(online)),
+        TrainMode::Recursive => rrf_train::Schedule::Recursive(batches(recursive)),
     }
 }
 
@@ -141,7 +141,7 @@ pub fn config(args: &BakeSettings, scene: &Scene) -> anyhow::Result<BakeConfig> 
     method::set(&mut config, args, scene)?;
     if let Some(inputs) = &args.inputs {
         config.train.inputs.clone_from(inputs);
-        config.train.told_by_place = false;
+        config.train.drop_redundant = false;
     }
     Ok(config)
 }

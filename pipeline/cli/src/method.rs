@@ -62,7 +62,7 @@ pub fn set(config: &mut BakeConfig, args: &BakeSettings, scene: &Scene) -> Resul
 /// Nets of large cells, and what is no net, have all that there is.
 fn all_inputs(config: &mut BakeConfig) {
     config.train.inputs = TrainConfig::default().inputs;
-    config.train.told_by_place = false;
+    config.train.drop_redundant = false;
 }
 
 /// Probes know irradiance alone.

@@ -1,7 +1,7 @@
 //! What a fit is asked for.
 
-use crate::blocks::Precision;
 use crate::error::TrainError;
+use crate::net::blocks::Precision;
 use rrf_field::model::Kind;
 use rrf_lm::LmConfig;
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub enum Decay {
     /// α stays as given.
     Fixed(f64),
-    /// α starts as given and follows the evidence (see [`crate::evidence`]).
+    /// α starts as given and follows the evidence (see `fit/evidence.rs`).
     Evidence(f64),
 }
 
@@ -29,7 +29,7 @@ impl Decay {
 pub enum Size {
     /// Units of the hidden layers, inputs side first; empty: a linear model.
     Hidden(Vec<usize>),
-    /// The first of [`LADDER`] whose relative validation error is at most `target`; the best
+    /// The first of [`ARCHITECTURES`] whose relative validation error is at most `target`; the best
     /// of them where none is.
     Smallest {
         /// Relative error sought.
@@ -38,7 +38,7 @@ pub enum Size {
 }
 
 /// Hidden layers from small to large.
-pub const LADDER: [&[usize]; 6] = [&[], &[4], &[8, 4], &[12, 8], &[20, 10], &[32, 16]];
+pub const ARCHITECTURES: [&[usize]; 6] = [&[], &[4], &[8, 4], &[12, 8], &[20, 10], &[32, 16]];
 
 /// How an online mode goes through the rows: once, in the order they come in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,7 +51,7 @@ pub struct Batches {
 
 /// Which rows a step sees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Mode {
+pub enum Schedule {
     /// All rows of the cell.
     Local,
     /// Batch after batch, each on its own.
@@ -68,17 +68,17 @@ pub struct TrainConfig {
     /// Inputs to consider, as names in `rrf_field::model::INPUTS`; those that do not vary in a
     /// cell are dropped.
     pub inputs: Vec<String>,
-    /// Cells do without the normal and without the material where the place of a point tells them. Large cells, of many
-    /// planes, are better with the normal.
-    #[serde(default)]
-    pub told_by_place: bool,
+    /// Cells do without the normal and without the material where the position of a point tells them.
+    /// Large cells, of many planes, are better with the normal.
+    #[serde(default, rename = "told_by_place")]
+    pub drop_redundant: bool,
     /// Nets, or what they are compared with.
     #[serde(default, skip_serializing_if = "Kind::is_net")]
     pub kind: Kind,
     /// Which nets to consider.
     pub size: Size,
     /// Make the net smaller for as long as the validation error stays within this share above that of the
-    /// whole one (or below [`Size::Smallest`]'s target): a smaller one of [`LADDER`] in place of
+    /// whole one (or below [`Size::Smallest`]'s target): a smaller one of [`ARCHITECTURES`] in place of
     /// [`Size::Hidden`]'s, then inputs and units taken out.
     pub prune: Option<f64>,
     /// Divide the target by the base colour (Lambert cells: outgoing radiance is proportional
@@ -88,21 +88,22 @@ pub struct TrainConfig {
     /// and is a product of distances, cosines and reflectances; its logarithm is what a small
     /// net fits well. The loss stays in radiance: neither targets nor noise pass a logarithm.
     pub exponential: bool,
-    /// Relative loss (see [`crate::problem::Loss`]); otherwise squared radiance.
+    /// Relative loss (see [`crate::net::problem::Loss`]); otherwise squared radiance.
     pub relative: bool,
-    /// ε of the relative loss and error, as a share of the mean luminance.
+    /// ε of the relative loss and error, as a share of the mean radiance.
     pub epsilon: f64,
-    /// Mean luminance of the whole data set, W·sr⁻¹·m⁻²; without it the cell's own.
-    pub mean_luminance: Option<f32>,
+    /// Mean radiance over the channels and the whole data set, W·sr⁻¹·m⁻²; without it the cell's own.
+    #[serde(rename = "mean_luminance")]
+    pub mean_radiance: Option<f32>,
     /// Which rows a step sees.
-    pub mode: Mode,
+    pub mode: Schedule,
     /// Weight decay.
     pub decay: Decay,
-    /// Nets that start from different first weights, each from two beginnings where outputs are exponents; a fit that goes on from an earlier net is one.
-    /// The best go on from rung to rung, half as many at each, one on all rows; without rungs all
-    /// run to the end.
+    /// Nets that start from different first weights, each initialized in two ways where outputs are
+    /// exponents; a fit that goes on from an earlier net is one. The best go on from rung to rung, half
+    /// as many at each, one on all rows; without rungs all run to the end.
     pub starts: usize,
-    /// Legs on a part of the rows before the one on all: the last on half of them, the one
+    /// Phases on a part of the rows before the one on all: the last on half of them, the one
     /// before on a quarter, and so on.
     pub rungs: usize,
     /// Steps of each of these.
@@ -150,7 +151,7 @@ impl Default for TrainConfig {
         TrainConfig {
             seed: 1,
             inputs: inputs.map(String::from).to_vec(),
-            told_by_place: false,
+            drop_redundant: false,
             kind: Kind::Net,
             size: Size::Hidden(vec![20, 10]),
             prune: None,
@@ -158,8 +159,8 @@ impl Default for TrainConfig {
             exponential: false,
             relative: true,
             epsilon: 0.05,
-            mean_luminance: None,
-            mode: Mode::Local,
+            mean_radiance: None,
+            mode: Schedule::Local,
             decay: Decay::Evidence(1e-6),
             starts: 1,
             rungs: 2,
@@ -184,10 +185,9 @@ impl TrainConfig {
         let checks = [
             ("epsilon", self.epsilon, positive(self.epsilon), "positive"),
             (
-                "mean_luminance",
-                self.mean_luminance.map_or(0.0, f64::from),
-                self.mean_luminance
-                    .is_none_or(|m| m >= 0.0 && m.is_finite()),
+                "mean_radiance",
+                self.mean_radiance.map_or(0.0, f64::from),
+                self.mean_radiance.is_none_or(|m| m >= 0.0 && m.is_finite()),
                 "at least 0",
             ),
             (
@@ -210,7 +210,7 @@ impl TrainConfig {
                 return Err(TrainError::Config { name, value, range });
             }
         }
-        if let Mode::Online(batches) | Mode::Recursive(batches) = self.mode
+        if let Schedule::Online(batches) | Schedule::Recursive(batches) = self.mode
             && (batches.rows == 0 || batches.steps == 0)
         {
             return Err(TrainError::Config {
@@ -219,7 +219,8 @@ impl TrainConfig {
                 range: "at least 1 row and step",
             });
         }
-        let of_nets_alone = self.mode != Mode::Local || self.prune.is_some() || self.exponential;
+        let of_nets_alone =
+            self.mode != Schedule::Local || self.prune.is_some() || self.exponential;
         if !self.kind.is_net() && of_nets_alone {
             return Err(TrainError::NoNet {
                 kind: self.kind.name(),

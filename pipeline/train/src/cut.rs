@@ -4,9 +4,9 @@
 //! leave much less than one over the whole, two nets do so too. Neither [`Rule`] is the better
 //! one in all scenes (docs/accuracy.md).
 
-use rrf_lm::Cholesky;
 use ndarray::{Array2, ArrayView2, Axis, s};
 use rrf_field::columns::{self, Columns};
+use rrf_lm::Cholesky;
 
 /// By what a cut is chosen.
 #[derive(

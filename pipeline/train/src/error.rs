@@ -1,4 +1,4 @@
-//! Errors of a fit that can be told before it starts.
+//! Errors of a fit that are found before it starts.
 
 /// A fit cannot start.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

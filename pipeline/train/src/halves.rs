@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A mean squared relative error and how well it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorEstimate {
-    /// Mean over rows and channels of (p − y₁)(p − y₂) / max(luminance, ε)²; can be negative.
+    /// Mean over rows and channels of (p − y₁)(p − y₂) / max(channel mean, ε)²; can be negative.
     pub square: f64,
     /// Standard error of `square`.
     pub square_se: f64,

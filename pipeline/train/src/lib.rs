@@ -1,68 +1,68 @@
-//! Solver-Marquardt training of a cell's net.
+//! Fits a cell's radiance: a small net by Levenberg-Marquardt, or a baseline to compare it with.
 //!
-//! Rows and two half estimates go in, a [`fit::CellFit`] comes out:
+//! Rows and two half estimates of their radiance go in, a [`CellFit`] comes out:
 //!
-//! - [`prepare`] leaves out rows that are not finite, drops inputs that do not vary, scales;
-//! - [`tile`] runs a net over 128 rows at a time, [`blocks`] sums JᵀWJ from them without ever
-//!   forming J, on one matrix kernel ([`gemm`]) and a vectorised tanh ([`simd`]);
-//! - `rrf_lm` takes damped steps;
-//! - [`problem`] makes a net and its relative loss such a problem;
-//! - [`rows`] holds the rows in memory, or reads them again at each pass from a file where they
-//!   are too many ([`spill`]);
-//! - [`halves`] tells errors without Monte Carlo noise;
-//! - `baseline` fits what nets are compared with;
-//! - [`cut`] says where a cell is best cut in two;
-//! - [`fit`] puts it together: [`fit::fit_cell`].
+//! ```
+//! use rrf_field::columns::{COUNT, Columns, L, P};
+//! use rrf_train::{Size, TrainConfig, fit_cell};
+//!
+//! // 600 points on a plane under lights above it, radiance by the inverse square
+//! let number = |row: usize, dimension: usize| (0.618 * (row * (dimension + 2)) as f32).fract();
+//! let (mut rows, mut radiance) = (Columns::default(), Vec::new());
+//! for i in 0..600 {
+//!     let mut row = [0.0; COUNT];
+//!     (row[P], row[P + 1]) = (number(i, 0), number(i, 1));
+//!     (row[L], row[L + 2]) = (number(i, 2), 1.0 + number(i, 3));
+//!     let square = (row[P] - row[L]).powi(2) + row[P + 1].powi(2) + row[L + 2].powi(2);
+//!     rows.push(row);
+//!     radiance.push([0.9 / square, 0.6 / square, 0.3 / square]);
+//! }
+//! let validation: Vec<bool> = (0..600).map(|i| i % 3 == 0).collect();
+//! let config = TrainConfig {
+//!     inputs: ["px", "py", "lx", "lz"].map(String::from).to_vec(),
+//!     size: Size::Hidden(vec![8, 4]),
+//!     ..TrainConfig::default()
+//! };
+//! let fit = fit_cell(0, &rows, [&radiance, &radiance], &validation, &config)?;
+//! assert!(fit.validation_error.relative() < 0.02);
+//! # Ok::<(), rrf_train::TrainError>(())
+//! ```
+//!
+//! Each layer stands on those before it:
+//!
+//! - [`net`]: a net and its Jacobian over tiles of rows;
+//! - `rows`: a cell's rows, in memory or in a file, in the units of a net;
+//! - `cell`: which inputs and rows are used, and their scales;
+//! - [`report`]: what comes out;
+//! - `baseline`: what nets are compared with;
+//! - [`fit`]: prepare, initialize, optimise, evaluate, report. The steps are those of `rrf_lm`.
+//!
+//! [`cut`] says where a cell is best cut in two, [`halves`] tells errors without Monte Carlo noise.
 //!
 //! One net runs on one thread; train cells in parallel.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod baseline;
-pub mod blocks;
 mod cell;
-pub mod chunk;
 pub mod config;
-mod curvature;
 pub mod cut;
-mod descent;
 pub mod end;
 pub mod error;
-mod evidence;
-mod factors;
 pub mod fit;
-pub mod gemm;
 pub mod halves;
-mod judge;
-mod logarithm;
-pub mod online;
-mod ordered;
-mod place;
-pub mod prepare;
-pub mod problem;
-mod products;
-mod prune;
+pub mod net;
+pub mod report;
+mod rows;
 
-pub mod rows;
-mod scratch;
-mod search;
-pub mod simd;
-pub mod spill;
-mod streamed;
-mod tangent;
-pub mod tile;
-mod warm;
-
-pub use blocks::Precision;
-pub use config::{Batches, Decay, LADDER, Mode, Size, TrainConfig};
-pub use error::TrainError;
-pub use fit::{CellFit, CellMetrics, FitReport, HistoryRow, fit_cell, fit_from};
-pub use halves::ErrorEstimate;
+pub use config::{ARCHITECTURES, Batches, Decay, Schedule, Size, TrainConfig};
 pub use end::FitEnd;
+pub use error::TrainError;
+pub use fit::{fit_cell, fit_from};
+pub use halves::ErrorEstimate;
+pub use net::blocks::Precision;
+pub use report::{CellFit, HistoryRow};
+pub use rows::samples::Samples;
+pub use rows::units::channel_mean;
 pub use rrf_field::model::Kind;
 pub use rrf_lm::LmConfig;
-
-#[cfg(test)]
-mod made_up;
-#[cfg(test)]
-mod tests;

@@ -16,10 +16,10 @@ use rrf_field::columns::Columns;
 use rrf_field::net::Shape;
 use rrf_field::rng::{Stage, Stream};
 use rrf_lm::{LmConfig, NormalEquations, Problem, Solver};
-use rrf_train::blocks::Precision;
-use rrf_train::problem::{Loss, NetProblem};
-use rrf_train::simd::{TILE, fma};
-use rrf_train::tile::{Batch, Rows};
+use rrf_train::net::blocks::Precision;
+use rrf_train::net::problem::{Loss, NetProblem};
+use rrf_train::net::simd::{TILE, fma};
+use rrf_train::net::tile::{Batch, Rows};
 use rrf_train::{Decay, TrainConfig, fit_cell};
 use std::hint::black_box;
 

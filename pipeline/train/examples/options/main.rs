@@ -36,14 +36,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         "{:<24} {:>8} {:>8} {:>8} {:>8} {:>8}",
         "options", "error %", "± %", "CPU s", "steps", "weights"
     );
-    let mean = mean_luminance(&tables);
+    let mean = mean_radiance(&tables);
     for (name, config) in sets::all() {
         if !names.is_empty() && !names.iter().any(|part| name.contains(part.as_str())) {
             continue;
         }
         let config = TrainConfig {
             divide_base: true,
-            mean_luminance: Some(mean),
+            mean_radiance: Some(mean),
             ..config
         };
         let before = cpu_seconds();
@@ -94,7 +94,7 @@ fn fit(cell: u32, table: &Table, config: &TrainConfig) -> Result<CellFit, Box<dy
     Ok(fit_cell(cell, &table.columns, halves, &held_out, config)?)
 }
 
-fn mean_luminance(tables: &[Table]) -> f32 {
+fn mean_radiance(tables: &[Table]) -> f32 {
     let rows = || {
         tables
             .iter()
@@ -106,18 +106,14 @@ fn mean_luminance(tables: &[Table]) -> f32 {
 
 fn report(name: &str, fits: &[CellFit], seconds: f64) {
     let n = fits.len() as f64;
-    let square = fits
-        .iter()
-        .map(|f| f.metrics.validation_error.square)
-        .sum::<f64>()
-        / n;
+    let square = fits.iter().map(|f| f.validation_error.square).sum::<f64>() / n;
     let variance: f64 = fits
         .iter()
-        .map(|f| f.metrics.validation_error.square_se.powi(2))
+        .map(|f| f.validation_error.square_se.powi(2))
         .sum();
     let error = square.max(0.0).sqrt();
-    let steps: usize = fits.iter().map(|f| f.metrics.iterations).sum();
-    let weights: usize = fits.iter().map(|f| f.metrics.weights).sum();
+    let steps: usize = fits.iter().map(|f| f.history.len()).sum();
+    let weights: usize = fits.iter().map(|f| f.model.weights.len()).sum();
     println!(
         "{name:<24} {:>8.2} {:>8.2} {seconds:>8.2} {:>8.1} {:>8.0}",
         100.0 * error,

@@ -13,10 +13,10 @@
 
 use rrf_field::net::Shape;
 use rrf_lm::{LmConfig, Problem, Solver};
-use rrf_train::problem::{Loss, NetProblem};
-use rrf_train::simd::TILE;
-use rrf_train::tile::{Batch, Rows};
 use rrf_train::Precision;
+use rrf_train::net::problem::{Loss, NetProblem};
+use rrf_train::net::simd::TILE;
+use rrf_train::net::tile::{Batch, Rows};
 use std::error::Error;
 
 /// A stretch of the problem's rows.
@@ -116,7 +116,7 @@ struct Fit<'a> {
     w: Vec<f64>,
     lm: Solver,
     precision: Precision,
-    /// Rows of the last leg; the damping is in their proportion.
+    /// Rows of the last phase; the damping is in their proportion.
     rows: usize,
     seconds: f64,
 }
@@ -138,14 +138,14 @@ impl<'a> Fit<'a> {
         }
     }
 
-    /// Up to `steps` steps on `some` rows, judged on `all`.
+    /// Up to `steps` steps on `some` rows, evaluated on `all`.
     fn run(&mut self, some: Part<'a>, steps: usize, all: Part<'a>) {
         if steps == 0 {
             return;
         }
         let mut problem = self.problem(some);
-        let mut judges = [self.problem(all), self.problem(self.kept)];
-        let [trained, kept] = judges.each_mut().map(|judge| judge.cost(&self.w));
+        let mut evaluators = [self.problem(all), self.problem(self.kept)];
+        let [trained, kept] = evaluators.each_mut().map(|evaluator| evaluator.cost(&self.w));
         if self.rows == 0 {
             println!("0 {trained} {kept}");
         } else {
@@ -162,7 +162,7 @@ impl<'a> Fit<'a> {
                 eprintln!("stopped: {}", stop.name());
                 return;
             }
-            let [trained, kept] = judges.each_mut().map(|judge| judge.cost(&self.w));
+            let [trained, kept] = evaluators.each_mut().map(|evaluator| evaluator.cost(&self.w));
             println!("{} {trained} {kept}", self.seconds);
         }
     }

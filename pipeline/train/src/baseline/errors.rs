@@ -2,29 +2,26 @@
 
 use crate::cell::Cell;
 use crate::halves::{self, ErrorEstimate};
-use crate::prepare;
+use crate::rows::units::channel_mean;
 use rrf_field::Field;
 use rrf_field::model::CellModel;
 use rrf_field::tree::Tree;
 use std::ops::Range;
 
 /// Squared relative error on the rows that choose: those held out, or those trained on where there
-/// are none; errors divided by the targets' luminance.
+/// are none; errors divided by the targets' channel mean.
 pub(super) fn choosing(cell: &Cell, model: &CellModel) -> ErrorEstimate {
     let (train, held) = ranges(cell);
     error(cell, model, if held.is_empty() { train } else { held }, 1.0)
 }
 
 /// Squared relative errors on the rows trained on and on those held out, divided by a mixture of
-/// the targets' luminance and of the prediction's, as those of nets are; but how far predictions can be
-/// relied on is told by the rows that choose: what is made of the training rows may follow their noise.
-pub(super) fn both(cell: &Cell, model: &CellModel) -> (ErrorEstimate, ErrorEstimate) {
+/// the targets' channel mean and of the prediction's, as those of nets are; but how far predictions can be
+/// relied on is measured on the rows that choose: what is made of the training rows may follow their noise.
+pub(crate) fn evaluate(cell: &Cell, model: &CellModel) -> [ErrorEstimate; 2] {
     let (train, held) = ranges(cell);
     let share = cell.loss.target_share(choosing(cell, model).square);
-    (
-        error(cell, model, train, share),
-        error(cell, model, held, share),
-    )
+    [train, held].map(|rows| error(cell, model, rows, share))
 }
 
 fn ranges(cell: &Cell) -> (Range<usize>, Range<usize>) {
@@ -40,7 +37,12 @@ fn error(cell: &Cell, model: &CellModel, rows: Range<usize>, share: f64) -> Erro
         square: f64::INFINITY,
         ..ErrorEstimate::default()
     };
-    let Ok(field) = Field::new(Tree::single(), vec![model.clone()]) else {
+    // the only cell of its tree
+    let alone = CellModel {
+        cell: 0,
+        ..model.clone()
+    };
+    let Ok(field) = Field::new(Tree::single(), vec![alone]) else {
         return failed;
     };
     let mut fine = true;
@@ -50,10 +52,10 @@ fn error(cell: &Cell, model: &CellModel, rows: Range<usize>, share: f64) -> Erro
         fine &= field.evaluate(&asked, &mut out, &mut cells).is_ok();
         for (i, row) in rows.enumerate() {
             let p: [f64; 3] = std::array::from_fn(|c| f64::from(out[c][i]));
-            let [target, found] = [chunk.mean(row), p].map(prepare::luminance);
-            let luminance = share * target + (1.0 - share) * found;
+            let [target, found] = [chunk.mean(row), p].map(channel_mean);
+            let mean = share * target + (1.0 - share) * found;
             let [y1, y2] = [0, 1].map(|half| chunk.halves[half][row]);
-            values.push(halves::product(p, y1, y2, 1.0 / luminance.max(cell.floor)));
+            values.push(halves::product(p, y1, y2, 1.0 / mean.max(cell.floor)));
         }
     });
     if fine {

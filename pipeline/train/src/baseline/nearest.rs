@@ -1,9 +1,9 @@
 //! The rows trained on, as they are.
 
-use super::Solved;
+use super::solved::Solved;
 use super::weighing::Weighing;
 use crate::cell::Cell;
-use crate::tile::CHANNELS;
+use crate::net::tile::CHANNELS;
 
 /// Their scaled inputs, row after row, then their targets.
 pub(super) fn keep(cell: &Cell) -> Vec<Solved> {

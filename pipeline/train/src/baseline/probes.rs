@@ -1,11 +1,11 @@
 //! A grid of irradiance probes: regularised least squares by conjugate gradients (CGLS; Hestenes,
 //! Stiefel 1952; Björck 1996, sect. 7.4), the matrix never formed.
 
-use super::Solved;
+use super::solved::Solved;
 use super::weighing::{Row, Weighing};
 use crate::cell::Cell;
-use crate::prepare::Input;
-use crate::tile::CHANNELS;
+use crate::net::tile::CHANNELS;
+use crate::rows::units::Input;
 use rrf_field::columns::{L, N, P};
 use rrf_field::probes::{Basis, Grid, HARMONICS, INPUTS};
 
@@ -102,7 +102,7 @@ fn solve_with(weighing: &mut Weighing, grid: Grid, ridge: f64, effort: Effort) -
             grid,
             ridge,
         }
-        .descend(&mut found, effort);
+        .solve(&mut found, effort);
     }
     found
         .iter()
@@ -186,7 +186,7 @@ impl System<'_, '_> {
     }
 
     /// Conjugate gradients from `x` on.
-    fn descend(&self, x: &mut [Rgb], effort: Effort) {
+    fn solve(&self, x: &mut [Rgb], effort: Effort) {
         let mut residuals = self.residuals(x);
         let mut gradient = self.gradient(&residuals, x);
         let mut direction = gradient.clone();

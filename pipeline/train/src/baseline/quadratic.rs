@@ -1,11 +1,11 @@
 //! Quadratic regression: the normal equations of each channel, solved by Cholesky.
 
-use super::Solved;
+use super::solved::Solved;
 use super::weighing::{Row, Weighing};
 use crate::cell::Cell;
-use rrf_lm::Cholesky;
-use crate::tile::CHANNELS;
+use crate::net::tile::CHANNELS;
 use rrf_field::quadratic::{count, terms};
+use rrf_lm::Cholesky;
 
 /// Strengths tried, as shares of the mean diagonal of the normal equations: from what makes them
 /// solvable in f64 to what cells of few rows need.

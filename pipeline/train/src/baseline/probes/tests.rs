@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::config::TrainConfig;
-use rrf_lm::Cholesky;
-use crate::prepare::Samples;
+use crate::rows::samples::Samples;
 use rrf_field::columns::{BASE, COUNT, Columns};
 use rrf_field::model::Kind;
 use rrf_field::rng::{Stage, Stream};
+use rrf_lm::Cholesky;
 
 const SMALL: Grid = Grid {
     places: 2,
@@ -60,9 +60,10 @@ fn with_cell<T>(count: usize, see: impl FnOnce(&Cell, &Columns) -> T) -> T {
         divide_base: true,
         ..TrainConfig::default()
     };
-    let cell = Cell::new(0, samples, &config).unwrap();
+    let mut cell = Cell::new(0, samples, None, &config).unwrap();
     let inputs = inputs(&cell, SMALL);
-    see(&cell.with_inputs(inputs), &rows)
+    cell.set_inputs(inputs);
+    see(&cell, &rows)
 }
 
 /// 576 coefficients a channel from 4,000 rows: what they can follow they follow.
@@ -94,7 +95,7 @@ fn they_solve_their_normal_equations() {
             grid: SMALL,
             ridge,
         };
-        system.descend(&mut found, TO_THE_END);
+        system.solve(&mut found, TO_THE_END);
         let c = 1;
         let (mut matrix, mut right) = (vec![0.0; n * n], vec![0.0; n]);
         weighing.each(|row| {
