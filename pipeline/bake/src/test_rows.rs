@@ -14,8 +14,8 @@ use rrf_field::Field;
 use rrf_store::layout::TEST;
 use rrf_store::parts;
 use rrf_store::samples::SampleTable;
-use rrf_train::halves::{ErrorEstimate, product};
 use rrf_train::channel_mean;
+use rrf_train::halves::{ErrorEstimate, product};
 use serde::{Deserialize, Serialize};
 
 /// Error of the whole on the test rows.

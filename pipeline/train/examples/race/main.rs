@@ -145,7 +145,9 @@ impl<'a> Fit<'a> {
         }
         let mut problem = self.problem(some);
         let mut evaluators = [self.problem(all), self.problem(self.kept)];
-        let [trained, kept] = evaluators.each_mut().map(|evaluator| evaluator.cost(&self.w));
+        let [trained, kept] = evaluators
+            .each_mut()
+            .map(|evaluator| evaluator.cost(&self.w));
         if self.rows == 0 {
             println!("0 {trained} {kept}");
         } else {
@@ -162,7 +164,9 @@ impl<'a> Fit<'a> {
                 eprintln!("stopped: {}", stop.name());
                 return;
             }
-            let [trained, kept] = evaluators.each_mut().map(|evaluator| evaluator.cost(&self.w));
+            let [trained, kept] = evaluators
+                .each_mut()
+                .map(|evaluator| evaluator.cost(&self.w));
             println!("{} {trained} {kept}", self.seconds);
         }
     }

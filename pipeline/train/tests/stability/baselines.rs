@@ -45,10 +45,7 @@ fn polynomial([px, py, vx, _, vz, lx, ly, lz]: &Row) -> [f64; 3] {
 fn a_quadratic_is_fitted_to_rounding() {
     let cell = Cell::new(1200, 0.0, polynomial);
     let fit = fit(&cell, &config(Kind::Quadratic));
-    assert_eq!(
-        (fit.end, fit.history.len()),
-        (FitEnd::Solved, 0)
-    );
+    assert_eq!((fit.end, fit.history.len()), (FitEnd::Solved, 0));
     // 8 inputs: 1 + 8 + 36 terms
     assert_eq!(
         (fit.model.kind, fit.model.weights.len()),
@@ -147,10 +144,7 @@ fn few_rows_and_dark_ones_give_a_model() {
         assert!(few.model.weights.iter().all(|w| w.is_finite()), "{kind:?}");
         assert_eq!(few.end, FitEnd::Solved);
         let dark = fit(&Cell::new(50, 0.0, |_| [0.0; 3]), &config(kind));
-        assert_eq!(
-            (dark.end, dark.model.kind),
-            (FitEnd::Constant, Kind::Net)
-        );
+        assert_eq!((dark.end, dark.model.kind), (FitEnd::Constant, Kind::Net));
         let none = fit(&Cell::new(0, 0.0, smooth), &config(kind));
         assert_eq!(none.end, FitEnd::NoRows);
     }

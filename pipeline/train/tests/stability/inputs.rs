@@ -96,10 +96,7 @@ fn inputs_scaled_by_1e12_change_nothing() {
     }
     let scaled = cell.fit(&cells::config());
     assert_eq!(plain.model.weights, scaled.model.weights);
-    assert_eq!(
-        plain.validation_error,
-        scaled.validation_error
-    );
+    assert_eq!(plain.validation_error, scaled.validation_error);
 }
 
 /// Equal columns make JᵀJ singular; damping and decay share the weight out between them.

@@ -31,13 +31,7 @@ fn last_error(mode: Schedule) -> f64 {
         ..cells::config()
     };
     let fit = one_light_a_batch().fit(&config);
-    fit
-        .history
-        .last()
-        .unwrap()
-        .validation
-        .max(0.0)
-        .sqrt()
+    fit.history.last().unwrap().validation.max(0.0).sqrt()
 }
 
 #[test]

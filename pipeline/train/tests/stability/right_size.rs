@@ -53,7 +53,11 @@ fn too_large() {
     assert_eq!(large.model.shape.sizes[1..], [20, 10, 3]);
     let error = |fit: &rrf_train::CellFit| cell.error(&fit.model, y);
     assert_eq!(small.history.len(), small.history.len());
-    assert!(small.model.weights.len() <= 24, "{:?}", small.model.shape.sizes);
+    assert!(
+        small.model.weights.len() <= 24,
+        "{:?}",
+        small.model.shape.sizes
+    );
     assert!(
         error(&small) < 0.01,
         "{} of {}",

@@ -32,10 +32,7 @@ fn fewer_samples_than_weights() {
 fn one_sample_and_none() {
     let one = Cell::new(1, 0.0, smooth);
     let fit = one.fit(&cells::config());
-    assert_eq!(
-        (fit.end, fit.train_rows),
-        (FitEnd::Constant, 1)
-    );
+    assert_eq!((fit.end, fit.train_rows), (FitEnd::Constant, 1));
     assert!(one.error(&fit.model, smooth) < 1e-6);
     let none = Cell::new(0, 0.0, smooth).fit(&cells::config());
     assert_eq!((none.end, none.rows), (FitEnd::NoRows, 0));
@@ -54,10 +51,7 @@ fn all_rows_kept_back() {
     let mut cell = Cell::new(30, 0.0, smooth);
     cell.validation.fill(true);
     let fit = cell.fit(&cells::config());
-    assert_eq!(
-        (fit.end, fit.validation_rows),
-        (FitEnd::NoRows, 30)
-    );
+    assert_eq!((fit.end, fit.validation_rows), (FitEnd::NoRows, 30));
 }
 
 #[test]
