@@ -28,6 +28,9 @@ pub struct LmConfig {
     pub damping_max: f64,
     /// The matrix that the damping multiplies.
     pub scaling: Scaling,
+    /// Always false and read by nothing: a key of the settings that fits of version 0.6 are hashed
+    /// with. It goes when the version rises.
+    pub separable: bool,
     /// Largest ratio of acceleration to velocity, 2‖a‖/‖v‖ ≤ this; 0 turns acceleration off.
     pub acceleration: f64,
     /// Steps taken with one matrix JᵀWJ: all but the first of them solve for the step by
@@ -60,6 +63,7 @@ impl Default for LmConfig {
             tau: 1e-3,
             damping_max: 1e12,
             scaling: Scaling::Identity,
+            separable: false,
             acceleration: 0.0,
             reuse: one(),
             inner: three(),

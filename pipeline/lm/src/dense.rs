@@ -50,10 +50,6 @@ impl<R: Residuals> Dense<R> {
 const CURVATURE_STEP: f64 = 0.1;
 
 impl<R: Residuals> Problem for Dense<R> {
-    fn parameters(&self) -> usize {
-        self.residuals.parameters()
-    }
-
     fn cost(&mut self, w: &[f64]) -> f64 {
         self.residuals.evaluate(w, &mut self.r);
         self.r.iter().map(|r| r * r).sum()

@@ -29,9 +29,6 @@ impl NormalEquations {
 
 /// A sum of squares D(w) = Σ s² r(w)², with derivatives.
 pub trait Problem {
-    /// How many parameters.
-    fn parameters(&self) -> usize;
-
     /// D(w) under the weights s that the last [`Problem::linearise`] fixed.
     fn cost(&mut self, w: &[f64]) -> f64;
 

@@ -8,10 +8,6 @@ use rrf_lm::{Dense, LmConfig, NormalEquations, Problem, Residuals, Solver, Termi
 struct Lying;
 
 impl Problem for Lying {
-    fn parameters(&self) -> usize {
-        1
-    }
-
     fn cost(&mut self, w: &[f64]) -> f64 {
         1.0 + w[0].abs()
     }

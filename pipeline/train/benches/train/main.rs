@@ -1,4 +1,4 @@
-//! One Solver-Marquardt iteration against the processor's own bound, and a whole fit.
+//! One Levenberg-Marquardt iteration against the processor's own bound, and a whole fit.
 //!
 //! `cargo bench -p rrf-train`. One thread, CPU time (wall time is not one's own on a machine that
 //! others use). The iteration is that of a 12-20-10-3 net (503

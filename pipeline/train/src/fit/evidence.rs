@@ -1,5 +1,5 @@
 //! Weight decay by the evidence (MacKay 1992, *A practical Bayesian framework for
-//! backpropagation networks*; Foresee, Hagan 1997 with Solver-Marquardt).
+//! backpropagation networks*; Foresee, Hagan 1997 with Levenberg-Marquardt).
 //!
 //! With residual variance β⁻¹ and weight variance (αβ)⁻¹ the evidence is largest where
 //!

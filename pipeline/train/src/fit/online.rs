@@ -43,10 +43,6 @@ impl<P> Remembered<P> {
 }
 
 impl<P: Problem> Problem for Remembered<P> {
-    fn parameters(&self) -> usize {
-        self.batch.parameters()
-    }
-
     fn cost(&mut self, w: &[f64]) -> f64 {
         self.batch.cost(w) + self.pull(w).1
     }

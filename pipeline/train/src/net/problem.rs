@@ -1,4 +1,4 @@
-//! Training a net as a sum of squares: the [`rrf_lm::Problem`] that Solver-Marquardt sees.
+//! Training a net as a sum of squares: the [`rrf_lm::Problem`] that Levenberg-Marquardt sees.
 
 use crate::net::blocks::{Accumulator, Precision};
 use crate::net::curvature::second_derivative;
@@ -70,8 +70,6 @@ pub struct NetProblem<R: Rows> {
     residuals: f64,
     /// No divisor has been set yet.
     fresh: bool,
-    /// The outputs are exponentials: no parameter is linear.
-    exponential: bool,
 }
 
 impl<R: Rows> NetProblem<R> {
@@ -93,14 +91,12 @@ impl<R: Rows> NetProblem<R> {
             parameters: shape.weights(),
             share: 1.0,
             fresh: true,
-            exponential: false,
             residuals: residuals.max(1) as f64,
         }
     }
 
     /// The same with outputs that are exponentials, or not.
     pub fn exponential(mut self, exponential: bool) -> NetProblem<R> {
-        self.exponential = exponential;
         self.tile.set_exponential(exponential);
         self
     }
@@ -143,7 +139,7 @@ impl<R: Rows> NetProblem<R> {
     /// Moves the output layer to where F is least for the other weights as they are; false where
     /// that has no unique answer, w then unmoved. Exponential outputs have none.
     pub fn project(&mut self, w: &mut [f64], alpha: f64) -> bool {
-        if self.exponential {
+        if self.tile.exponential {
             return false;
         }
         self.output_sums.clear();
@@ -197,10 +193,6 @@ impl<R: Rows> NetProblem<R> {
 }
 
 impl<R: Rows> Problem for NetProblem<R> {
-    fn parameters(&self) -> usize {
-        self.parameters
-    }
-
     fn cost(&mut self, w: &[f64]) -> f64 {
         let mut sum = 0.0;
         for first in (0..self.rows.len()).step_by(TILE) {

@@ -24,20 +24,13 @@ impl Samples<'_> {
             ("half 2", self.halves[1].len()),
             ("validation", self.validation.len()),
         ];
-        for (what, found) in lengths {
+        let columns = self.rows.columns.iter().map(Vec::len);
+        let columns = columns::NAMES.iter().copied().zip(columns);
+        for (what, found) in lengths.into_iter().chain(columns) {
             if found != expected {
                 return Err(TrainError::Length {
                     what,
                     found,
-                    expected,
-                });
-            }
-        }
-        for (name, column) in columns::NAMES.iter().zip(&self.rows.columns) {
-            if column.len() != expected {
-                return Err(TrainError::Length {
-                    what: name,
-                    found: column.len(),
                     expected,
                 });
             }
