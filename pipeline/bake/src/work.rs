@@ -7,7 +7,7 @@ use crate::job::Job;
 use crate::plan::{CellPlan, MOST_ROWS, PartPlan, RoundPlan};
 use crate::run::Run;
 use crate::task::{Stage, Task};
-use rrf_extract::{Draw, Eyes, Lookout};
+use rrf_extract::{Draw, Eyes, VisibilityQueries};
 use rrf_field::tree::Domain;
 use rrf_scene::Scene;
 use rrf_store::layout::{list_parts, part_path};
@@ -20,7 +20,7 @@ use rrf_trace::Tracer;
 pub struct Site<'a> {
     scene: &'a Scene,
     tracer: &'a Tracer<'a>,
-    lookout: Lookout<'a>,
+    visibility: VisibilityQueries<'a>,
     eyes: Option<Eyes>,
 }
 
@@ -34,13 +34,16 @@ impl<'a> Site<'a> {
         tracer: &'a Tracer<'a>,
         config: &BakeConfig,
     ) -> Result<Site<'a>, BakeError> {
-        let lookout = Lookout::new(scene, tracer);
-        let eyes = config.extract.eye_box.map(|b| b.eyes(&lookout));
+        let visibility = VisibilityQueries::new(scene, tracer);
+        let eyes = config
+            .extract
+            .eye_box
+            .map(|eye_box| Eyes::new(&visibility, eye_box));
         Ok(Site {
             scene,
             tracer,
             eyes: eyes.transpose()?,
-            lookout,
+            visibility,
         })
     }
 
@@ -143,7 +146,7 @@ fn drawn(
     let drawn = rrf_extract::extract(
         site.scene,
         site.tracer,
-        &site.lookout,
+        &site.visibility,
         site.eyes.as_ref(),
         light_box,
         run.manifest.seed,

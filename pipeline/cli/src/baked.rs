@@ -5,7 +5,7 @@ use crate::place::Place;
 use crate::trust::{distrust, spans};
 use glam::Vec3;
 use rrf_bake::Run;
-use rrf_extract::Lookout;
+use rrf_extract::VisibilityQueries;
 use rrf_field::columns::Columns;
 use rrf_field::{Borders, Field};
 use rrf_render::{Lamps, Lights, Notice, View, notices, on_surface};
@@ -82,8 +82,8 @@ impl Baked {
             return Ok(None);
         }
         let tracer = Tracer::new(&self.unlit)?;
-        let lookout = Lookout::new(&self.unlit, &tracer);
-        let free = |p: Vec3| !lookout.inside_solid(p);
+        let visibility = VisibilityQueries::new(&self.unlit, &tracer);
+        let free = |p: Vec3| !visibility.inside_solid(p);
         let lamps = Lamps::new(&self.scene, &self.field, self.light_box(), free)?;
         for (k, stand_in) in lamps.stand_ins.iter().enumerate() {
             eprintln!(
@@ -113,14 +113,14 @@ impl Baked {
         lights: &Lights,
         anyway: bool,
     ) -> Result<Vec<Notice>, BadInput> {
-        let lookout = Lookout::new(&self.unlit, tracer);
+        let visibility = VisibilityQueries::new(&self.unlit, tracer);
         let positions = lights.points.iter().map(|light| light.position);
         let notices = notices(
             view.eye,
             positions,
             Some(self.light_box()),
             self.eye_box(),
-            |place| lookout.inside_solid(place),
+            |place| visibility.inside_solid(place),
             |place| on_surface(tracer, place),
             |place, reach| tracer.distance(place, reach),
         );

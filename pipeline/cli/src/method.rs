@@ -3,7 +3,7 @@
 use crate::args::{BakeSettings, Hidden, Method};
 use crate::failure::BadInput;
 use rrf_bake::BakeConfig;
-use rrf_scene::{MaterialKind, Scene};
+use rrf_scene::Scene;
 use rrf_train::{Kind, Size, TrainConfig};
 
 /// Hidden units of the net that stands for the whole scene.
@@ -69,7 +69,7 @@ fn all_inputs(config: &mut BakeConfig) {
 fn lambertian(scene: &Scene) -> Result<(), BadInput> {
     let glossy = |m: &&u32| {
         let material = scene.materials.get(**m as usize);
-        material.is_some_and(|material| material.kind != MaterialKind::Lambert)
+        material.is_some_and(|material| material.kind.depends_on_viewer)
     };
     let count = scene.triangle_material.iter().filter(glossy).count();
     match count {

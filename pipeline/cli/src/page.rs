@@ -5,7 +5,7 @@ use crate::baked::Baked;
 use crate::view;
 use anyhow::Context;
 use glam::Vec3;
-use rrf_extract::Lookout;
+use rrf_extract::VisibilityQueries;
 use rrf_render::{Lights, View, tone::Exposure};
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
@@ -21,7 +21,7 @@ pub fn run(args: &PageArgs) -> anyhow::Result<()> {
     if args.camera.size.is_none() {
         fit(&mut start);
     }
-    let lookout = Lookout::new(&baked.unlit, &tracer);
+    let visibility = VisibilityQueries::new(&baked.unlit, &tracer);
     let asked = args.camera.scene_lights || !args.camera.light.is_empty();
     let lights = match asked {
         true => view::lights(&args.camera, &baked.scene)?.points,
@@ -31,7 +31,7 @@ pub fn run(args: &PageArgs) -> anyhow::Result<()> {
         tracer: &tracer,
         field: &baked.field,
         trusted: &|rows| baked.trusted(rows),
-        inside_solid: &|p| lookout.inside_solid(p),
+        inside_solid: &|p| visibility.inside_solid(p),
         light_box: baked.light_box(),
         eye_box: baked.eye_box(),
         view: start,

@@ -36,10 +36,7 @@ pub fn rows(tracer: &Tracer, table: &PointsTable, located: &[SurfacePoint]) -> C
             *raw = column[row];
         }
         let material = tracer.material_at(point);
-        raw[columns::BASE..columns::ROUGHNESS].copy_from_slice(&material.base_color.to_array());
-        raw[columns::ROUGHNESS] = material.roughness;
-        raw[columns::METALLIC] = material.metallic;
-        raw[columns::SPECULAR] = material.specular;
+        raw[columns::BASE..=columns::SPECULAR].copy_from_slice(&material.columns());
         rows.push(raw);
     }
     rows

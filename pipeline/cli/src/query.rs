@@ -6,7 +6,7 @@ use crate::points;
 use crate::trust::{distrust, spans};
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
 use rrf_bake::Run;
-use rrf_extract::{Lookout, Outlook};
+use rrf_extract::{PointClass, VisibilityQueries};
 use rrf_field::{Borders, Field, columns};
 use rrf_scene::Scene;
 use rrf_store::guard::Limits;
@@ -70,7 +70,7 @@ fn darken_sealed(
     table: &PointsTable,
     radiance: &mut [Vec<f32>; 3],
 ) {
-    let lookout = Lookout::new(scene, tracer);
+    let visibility = VisibilityQueries::new(scene, tracer);
     let viewers = points::vectors(table, columns::V);
     for (row, (point, &v)) in located.iter().zip(&viewers).enumerate() {
         let side = if point.normal.dot(v) < 0.0 {
@@ -78,7 +78,7 @@ fn darken_sealed(
         } else {
             point.normal
         };
-        if lookout.from_surface(point, side) != Outlook::Open {
+        if visibility.from_surface(point, side) != PointClass::Open {
             radiance.iter_mut().for_each(|channel| channel[row] = 0.0);
         }
     }

@@ -1,9 +1,10 @@
-//! Materials and their textures as Mitsuba 3's `diffuse` and `principled`.
+//! Materials and their textures as Mitsuba 3's plugins.
 
 use crate::ExportError;
 use exr::prelude::{Image, SpecificChannels, WritableImage, write_rgb_file};
 use glam::Vec3;
-use rrf_scene::{Material, MaterialKind, Scene, Texture};
+use rrf_materials::{SlotValue, Texture};
+use rrf_scene::Scene;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -12,20 +13,11 @@ pub(crate) fn bsdf(folder: &Path, scene: &Scene, id: usize) -> Result<String, Ex
     let Some(material) = scene.materials.get(id) else {
         return Ok(String::new());
     };
-    let base = base_color(folder, scene, id, material)?;
-    let inner = match material.kind {
-        MaterialKind::Lambert => format!(
-            "<bsdf type=\"diffuse\">\n{}</bsdf>\n",
-            base.named("reflectance")
-        ),
-        MaterialKind::Principled => format!(
-            "<bsdf type=\"principled\">\n{}{}{}<float name=\"specular\" value=\"{}\"/>\n</bsdf>\n",
-            base.named("base_color"),
-            scalar(folder, scene, id, material, Scalar::Roughness)?,
-            scalar(folder, scene, id, material, Scalar::Metallic)?,
-            material.specular
-        ),
-    };
+    let mut inner = format!("<bsdf type=\"{}\">\n", material.kind.mitsuba);
+    for parameter in material.parameters() {
+        inner += &slot(folder, scene, id, &parameter)?;
+    }
+    inner += "</bsdf>\n";
     let bent = match texture(scene, material.normal_texture) {
         Some(normals) => {
             let file = format!("textures/m{id}-normal.exr");
@@ -51,57 +43,30 @@ pub(crate) fn bsdf(folder: &Path, scene: &Scene, id: usize) -> Result<String, Ex
     Ok(out)
 }
 
-enum Colour {
-    Constant(Vec3),
-    File(String),
-}
-
-impl Colour {
-    fn named(&self, name: &str) -> String {
-        match self {
-            Colour::Constant(c) => rgb(name, *c),
-            Colour::File(file) => bitmap(name, file, false),
-        }
-    }
-}
-
-/// The constant times the texture, as one picture.
-fn base_color(
+/// One parameter: its constant, or constant times texture as one picture.
+fn slot(
     folder: &Path,
     scene: &Scene,
     id: usize,
-    material: &Material,
-) -> Result<Colour, ExportError> {
-    let Some(picture) = texture(scene, material.base_texture) else {
-        return Ok(Colour::Constant(material.base_color));
-    };
-    let file = format!("textures/m{id}-base.exr");
-    write_rgb(&folder.join(&file), picture, material.base_color)?;
-    Ok(Colour::File(file))
-}
-
-enum Scalar {
-    Roughness,
-    Metallic,
-}
-
-fn scalar(
-    folder: &Path,
-    scene: &Scene,
-    id: usize,
-    material: &Material,
-    which: Scalar,
+    parameter: &SlotValue,
 ) -> Result<String, ExportError> {
-    let (name, constant, channel) = match which {
-        Scalar::Roughness => ("roughness", material.roughness, 1),
-        Scalar::Metallic => ("metallic", material.metallic, 2),
-    };
-    let Some(picture) = texture(scene, material.roughness_metallic_texture) else {
-        return Ok(format!("<float name=\"{name}\" value=\"{constant}\"/>\n"));
+    let (name, value) = (parameter.slot.mitsuba, parameter.value);
+    let is_colour = parameter.width == 3;
+    let Some(picture) = texture(scene, parameter.texture) else {
+        return Ok(if is_colour {
+            rgb(name, value)
+        } else {
+            format!("<float name=\"{name}\" value=\"{}\"/>\n", value.x)
+        });
     };
     let file = format!("textures/m{id}-{name}.exr");
-    write_one(&folder.join(&file), picture, channel, constant)?;
-    Ok(bitmap(name, &file, true))
+    let path = folder.join(&file);
+    if is_colour {
+        write_rgb(&path, picture, value)?;
+    } else {
+        write_one(&path, picture, parameter.channel, value.x)?;
+    }
+    Ok(bitmap(name, &file, !is_colour))
 }
 
 /// `<rgb>` with values as they are.

@@ -115,7 +115,7 @@ fn shape(file: &str, scene: &Scene, mesh: &ply::Mesh) -> String {
     )
 }
 
-/// What Mitsuba will do otherwise.
+/// Notes on what Mitsuba will do otherwise.
 fn notes(scene: &Scene) -> Vec<String> {
     let mut notes = Vec::new();
     let used = |light: usize| scene.triangle_light.contains(&(light as u32));

@@ -6,38 +6,22 @@
 //! light box. What falls outside the cell is rejected, so the accepted rows are uniform in it, but for
 //! what cannot be learned and, where eyes are given, what none of them sees.
 
+use crate::census::{Census, Rejection};
 use crate::eyes::Eyes;
-use crate::outlook::{Lookout, Looks, Outlook};
 use crate::patches::Patches;
+use crate::region::Region;
 use crate::sobol::Sobol;
-use crate::{Census, Region};
+use crate::visibility::{PointClass, QueryScratch, VisibilityQueries};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::tree::Domain;
-use rrf_scene::{MaterialKind, Scene};
+use rrf_scene::Scene;
 use rrf_trace::{SurfacePoint, Tracer};
-
-/// Why a candidate was left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rejection {
-    /// It lies in another cell.
-    OtherCell,
-    /// The light is inside a solid.
-    LightInSolid,
-    /// The point is inside a solid, or sealed under one.
-    PointInSolid,
-    /// No eye sees the point: no frame will show it.
-    Unseen,
-    /// No ray of the point's hemisphere hits anything: no indirect light can arrive.
-    SeesNothing,
-    /// The surface reflects nothing.
-    Black,
-}
 
 /// One accepted row.
 #[derive(Clone, Copy, Debug)]
-pub struct Row {
+pub struct CandidateRow {
     /// Raw columns.
     pub raw: [f32; columns::COUNT],
     /// Where the point lies.
@@ -50,7 +34,7 @@ pub struct Row {
 pub struct Proposal<'a> {
     scene: &'a Scene,
     tracer: &'a Tracer<'a>,
-    lookout: &'a Lookout<'a>,
+    visibility: &'a VisibilityQueries<'a>,
     eyes: Option<&'a Eyes>,
     patches: Patches,
     domain: Domain,
@@ -63,7 +47,7 @@ impl<'a> Proposal<'a> {
     pub fn new(
         scene: &'a Scene,
         tracer: &'a Tracer<'a>,
-        lookout: &'a Lookout<'a>,
+        visibility: &'a VisibilityQueries<'a>,
         domain: Domain,
         light_box: Region,
         seed: u64,
@@ -73,7 +57,7 @@ impl<'a> Proposal<'a> {
         (!patches.is_empty()).then(|| Proposal {
             scene,
             tracer,
-            lookout,
+            visibility,
             eyes: None,
             patches,
             domain,
@@ -82,13 +66,13 @@ impl<'a> Proposal<'a> {
         })
     }
 
-    /// The same of points that one of some eyes sees.
+    /// Keeps the points that one of some eyes sees.
     pub fn seen_by(self, eyes: Option<&'a Eyes>) -> Proposal<'a> {
         Proposal { eyes, ..self }
     }
 
     /// Candidate `k`.
-    pub fn draw(&self, k: u32, looks: &mut Looks) -> Result<Row, Rejection> {
+    pub fn draw(&self, k: u32, scratch: &mut QueryScratch) -> Result<CandidateRow, Rejection> {
         let u = self.sobol.point(k);
         let (patch, weights) = self.patches.sample([u[0], u[1], u[2]]);
         let surface = self.tracer.point(patch.triangle, weights);
@@ -111,30 +95,27 @@ impl<'a> Proposal<'a> {
         }
         let (normal, material) = self.tracer.shading_at(&surface, view);
         raw[columns::N..columns::V].copy_from_slice(&normal.to_array());
-        raw[columns::BASE..columns::ROUGHNESS].copy_from_slice(&material.base_color.to_array());
-        raw[columns::ROUGHNESS] = material.roughness;
-        raw[columns::METALLIC] = material.metallic;
-        raw[columns::SPECULAR] = material.specular;
+        raw[columns::BASE..=columns::SPECULAR].copy_from_slice(&material.columns());
         if !self.domain.contains(&raw) {
             return Err(Rejection::OtherCell);
         }
-        if material.kind == MaterialKind::Lambert && material.base_color == Vec3::ZERO {
+        if material.is_black() {
             return Err(Rejection::Black);
         }
-        let unseen = |eyes: &Eyes| !eyes.see(self.lookout, &surface, side, looks);
+        let unseen = |eyes: &Eyes| !eyes.see(self.visibility, &surface, side, scratch);
         if self.eyes.is_some_and(unseen) {
             return Err(Rejection::Unseen);
         }
-        if self.lookout.inside_solid_with(light, looks) {
+        if self.visibility.inside_solid_with(light, scratch) {
             return Err(Rejection::LightInSolid);
         }
-        match self.lookout.from_surface_with(&surface, side, looks) {
-            Outlook::InsideSolid => return Err(Rejection::PointInSolid),
-            Outlook::Nothing => return Err(Rejection::SeesNothing),
-            Outlook::Open => {}
+        match self.visibility.from_surface_with(&surface, side, scratch) {
+            PointClass::InsideSolid => return Err(Rejection::PointInSolid),
+            PointClass::Nothing => return Err(Rejection::SeesNothing),
+            PointClass::Open => {}
         }
         let material = self.scene.triangle_material[surface.triangle as usize];
-        Ok(Row {
+        Ok(CandidateRow {
             raw,
             surface,
             material,
@@ -165,7 +146,9 @@ pub fn accept(proposal: &Proposal, count: usize, patience: usize) -> Accepted {
             .min(limit);
         let drawn: Vec<_> = (next..end)
             .into_par_iter()
-            .map_init(Looks::default, |looks, k| proposal.draw(k, looks))
+            .map_init(QueryScratch::default, |scratch, k| {
+                proposal.draw(k, scratch)
+            })
             .collect();
         for (k, drawn) in (next..end).zip(drawn) {
             if accepted.index.len() == count {
@@ -202,7 +185,7 @@ pub struct Accepted {
 }
 
 impl Accepted {
-    fn push(&mut self, k: u32, row: Row) {
+    fn push(&mut self, k: u32, row: CandidateRow) {
         self.index.push(u64::from(k));
         self.rows.push(row.raw);
         self.surface.push(row.surface);

@@ -1,7 +1,8 @@
 //! Which surface frames will show: what is seen from where eyes may be.
 
-use crate::config::Region;
-use crate::outlook::{Lookout, Looks};
+use crate::error::ExtractError;
+use crate::region::Region;
+use crate::visibility::{QueryScratch, VisibilityQueries};
 use glam::Vec3;
 use rrf_trace::SurfacePoint;
 
@@ -17,29 +18,39 @@ pub struct Eyes {
 }
 
 impl Eyes {
-    /// The places; none where all of the box lies inside solids.
-    pub fn new(lookout: &Lookout, eye_box: &Region) -> Option<Eyes> {
-        let mut looks = Looks::default();
+    /// Positions in `eye_box`.
+    ///
+    /// # Errors
+    /// Where all of them lie inside solids.
+    pub fn new(visibility: &VisibilityQueries, eye_box: Region) -> Result<Eyes, ExtractError> {
+        let mut scratch = QueryScratch::default();
         let places: Vec<Vec3> = (0..PLACES)
             .map(|i| eye_box.at(spread(i)))
-            .filter(|&place| !lookout.inside_solid_with(place, &mut looks))
+            .filter(|&place| !visibility.inside_solid_with(place, &mut scratch))
             .collect();
-        (!places.is_empty()).then_some(Eyes { places })
+        if places.is_empty() {
+            return Err(ExtractError::Box {
+                what: "eye",
+                bounds: eye_box,
+                message: "lies inside a solid: nothing is seen from there".into(),
+            });
+        }
+        Ok(Eyes { places })
     }
 
     /// Whether one of them sees a surface point on the side of the unit normal `side`.
     pub fn see(
         &self,
-        lookout: &Lookout,
+        visibility: &VisibilityQueries,
         point: &SurfacePoint,
         side: Vec3,
-        looks: &mut Looks,
+        scratch: &mut QueryScratch,
     ) -> bool {
         self.places.chunks(AT_ONCE).any(|places| {
             let before = places
                 .iter()
                 .filter(|&&e| (e - point.position).dot(side) > 0.0);
-            lookout.any_free(point, before.copied(), looks)
+            visibility.any_free(point, before.copied(), scratch)
         })
     }
 }
@@ -63,10 +74,10 @@ mod tests {
         maximum: [-0.3, 0.5, 0.9],
     };
 
-    fn in_the_box(see: impl FnOnce(&Scene, &Tracer, &Lookout)) {
+    fn in_the_box(see: impl FnOnce(&Scene, &Tracer, &VisibilityQueries)) {
         let scene = cornell();
         let tracer = Tracer::new(&scene).unwrap();
-        see(&scene, &tracer, &Lookout::new(&scene, &tracer));
+        see(&scene, &tracer, &VisibilityQueries::new(&scene, &tracer));
     }
 
     /// Whether a triangle crosses the open way from `a` to `b`, in f64 (Möller and Trumbore 1997).
@@ -83,11 +94,11 @@ mod tests {
     /// From a corner of the floor, behind the boxes: what every triangle asked one by one says.
     #[test]
     fn as_without_a_tree() {
-        in_the_box(|scene, tracer, lookout| {
-            let eyes = EYE_BOX.eyes(lookout).unwrap();
+        in_the_box(|scene, tracer, visibility| {
+            let eyes = Eyes::new(visibility, EYE_BOX).unwrap();
             assert!(eyes.places.iter().all(|&e| EYE_BOX.contains(e)));
             let sobol = crate::sobol::Sobol::new(3);
-            let mut looks = Looks::default();
+            let mut scratch = QueryScratch::default();
             let (mut seen, mut unseen) = (0, 0);
             for k in 0..2000 {
                 let u = sobol.point(k);
@@ -104,7 +115,7 @@ mod tests {
                     };
                     let expected = eyes.places.iter().any(|&e| free(e));
                     assert_eq!(
-                        eyes.see(lookout, &point, side, &mut looks),
+                        eyes.see(visibility, &point, side, &mut scratch),
                         expected,
                         "{point:?}"
                     );
@@ -118,20 +129,20 @@ mod tests {
     /// Every row of a proposal is seen, and it leaves some out.
     #[test]
     fn rows_are_seen() {
-        in_the_box(|scene, tracer, lookout| {
-            let eyes = EYE_BOX.eyes(lookout).unwrap();
+        in_the_box(|scene, tracer, visibility| {
+            let eyes = Eyes::new(visibility, EYE_BOX).unwrap();
             let lights = Region {
                 minimum: [-0.6, 1.3, -0.6],
                 maximum: [0.6, 1.8, 0.6],
             };
             let all = rrf_field::tree::Domain::ALL;
-            let proposal = crate::Proposal::new(scene, tracer, lookout, all, lights, 1)
+            let proposal = crate::Proposal::new(scene, tracer, visibility, all, lights, 1)
                 .unwrap()
                 .seen_by(Some(&eyes));
             let accepted = crate::accept(&proposal, 500, 64);
             assert_eq!(accepted.rows.len(), 500);
             assert!(accepted.census.unseen > 0, "{:?}", accepted.census);
-            let mut looks = Looks::default();
+            let mut scratch = QueryScratch::default();
             for (row, point) in accepted.surface.iter().enumerate() {
                 let v = Vec3::from(accepted.rows.vec3(rrf_field::columns::V, row));
                 let side = if point.normal.dot(v) < 0.0 {
@@ -139,20 +150,20 @@ mod tests {
                 } else {
                     point.normal
                 };
-                assert!(eyes.see(lookout, point, side, &mut looks));
+                assert!(eyes.see(visibility, point, side, &mut scratch));
             }
         });
     }
 
     #[test]
     fn an_eye_box_inside_a_solid_is_refused() {
-        in_the_box(|_, _, lookout| {
+        in_the_box(|_, _, visibility| {
             // within the short box
             let inside = Region {
                 minimum: [0.3, 0.2, 0.3],
                 maximum: [0.35, 0.3, 0.35],
             };
-            let refused = inside.eyes(lookout).unwrap_err();
+            let refused = Eyes::new(visibility, inside).unwrap_err();
             assert!(
                 refused.to_string().starts_with("eye box 0.3,0.2,0.3"),
                 "{refused}"

@@ -7,7 +7,7 @@
 use rrf_field::columns::{self, Columns};
 use rrf_field::tree::Tree;
 
-/// What a unit of each column group weighs in the scatter.
+/// Weights of a unit of each column group in the scatter.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Weights {
     /// A scene diagonal in the surface point.

@@ -9,23 +9,30 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod candidates;
+mod census;
 mod config;
+mod error;
 mod eyes;
 mod first_tree;
-mod outlook;
+mod halves;
 mod patches;
 mod planning;
+mod region;
 mod sobol;
 mod solids;
 mod stage;
+mod visibility;
 
-pub use candidates::{Accepted, Proposal, Rejection, Row, accept};
-pub use config::{Census, ExtractConfig, ExtractError, Region};
+pub use candidates::{Accepted, CandidateRow, Proposal, accept};
+pub use census::{Census, Rejection};
+pub use config::ExtractConfig;
+pub use error::ExtractError;
 pub use eyes::Eyes;
 pub use first_tree::Weights;
-pub use outlook::{Lookout, Looks, Outlook};
 pub use planning::{CellShare, FirstPlan, plan};
+pub use region::Region;
 pub use stage::{Draw, Drawn, extract};
+pub use visibility::{PointClass, QueryScratch, VisibilityQueries};
 
 /// The Cornell box without its lamp, for tests.
 #[cfg(test)]

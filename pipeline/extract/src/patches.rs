@@ -1,4 +1,4 @@
-//! What of a scene's surface can lie in a cell: sides of triangles, cut to the cell's box.
+//! Surface that can lie in a cell: sides of triangles, cut to the cell's box.
 
 use glam::Vec3;
 use rrf_field::columns;
@@ -25,7 +25,7 @@ pub struct Patches {
 }
 
 impl Patches {
-    /// What lies within a box of raw columns, by position and normal.
+    /// Finds the surface within a box of raw columns, by position and normal.
     pub fn new(scene: &Scene, domain: &Domain) -> Patches {
         let mut all = Patches {
             patches: Vec::new(),

@@ -1,12 +1,15 @@
 //! The plan: the first tree, and how many rows each of its cells gets.
 
 use crate::candidates::{Accepted, Proposal, accept};
-use crate::config::{Census, ExtractConfig, ExtractError};
+use crate::census::Census;
+use crate::config::ExtractConfig;
+use crate::error::ExtractError;
+use crate::eyes::Eyes;
 use crate::first_tree::grow;
-use crate::outlook::Lookout;
-use crate::stage::{PILOT_STAGE, trace_halves};
+use crate::halves::{PILOT_STAGE, scramble_seed, trace_halves};
+use crate::visibility::VisibilityQueries;
 use rrf_field::tree::{Domain, Tree};
-use rrf_scene::{MaterialKind, Scene};
+use rrf_scene::Scene;
 use rrf_trace::{Stream, Tracer};
 
 /// A cell's share of the work.
@@ -19,14 +22,14 @@ pub struct CellShare {
     pub measure: f64,
 }
 
-/// What is to be extracted first.
+/// The first extraction: its tree and the rows of its cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirstPlan {
     /// Which cell a row belongs to.
     pub tree: Tree,
     /// The cells, by id.
     pub cells: Vec<CellShare>,
-    /// Which materials of the scene are Lambertian, by material id.
+    /// Which materials of the scene look the same from everywhere, by material id.
     pub lambert: Vec<bool>,
     /// Mean luminance (mean of r, g, b) of the indirect radiance over all valid combinations,
     /// W/(sr m^2), estimated at the candidates.
@@ -55,11 +58,21 @@ pub fn plan(
         drawn: u64::from(config.candidates) * PATIENCE as u64,
         census,
     };
-    let lookout = Lookout::new(scene, tracer);
-    let eyes = config.eye_box.map(|b| b.eyes(&lookout)).transpose()?;
-    let proposal = Proposal::new(scene, tracer, &lookout, Domain::ALL, config.light_box, seed)
-        .ok_or_else(|| nothing(Census::default()))?
-        .seen_by(eyes.as_ref());
+    let visibility = VisibilityQueries::new(scene, tracer);
+    let eyes = config
+        .eye_box
+        .map(|eye_box| Eyes::new(&visibility, eye_box))
+        .transpose()?;
+    let proposal = Proposal::new(
+        scene,
+        tracer,
+        &visibility,
+        Domain::ALL,
+        config.light_box,
+        seed,
+    )
+    .ok_or_else(|| nothing(Census::default()))?
+    .seen_by(eyes.as_ref());
     let drawn = accept(&proposal, config.candidates as usize, PATIENCE);
     if drawn.rows.is_empty() {
         return Err(nothing(drawn.census));
@@ -74,7 +87,7 @@ pub fn plan(
     let lambert = scene
         .materials
         .iter()
-        .map(|m| m.kind == MaterialKind::Lambert)
+        .map(|m| !m.kind.depends_on_viewer)
         .collect();
     Ok(FirstPlan {
         cells: share_out(&counts, config),
@@ -112,12 +125,4 @@ fn share_out(counts: &[u64], config: &ExtractConfig) -> Vec<CellShare> {
             measure: measure(n),
         })
         .collect()
-}
-
-/// The seed of a stream's Sobol scramble.
-pub(crate) fn scramble_seed(seed: u64, stream: u64) -> u64 {
-    let mut z = seed ^ stream.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 33)).wrapping_mul(0xff51_afd7_ed55_8ccd);
-    z = (z ^ (z >> 33)).wrapping_mul(0xc4ce_b9fe_1a85_ec53);
-    z ^ (z >> 33)
 }

@@ -15,14 +15,14 @@ const WELD: f32 = 1e-6;
 /// Bounds that agree within this share of the scene's diagonal are equal.
 const SAME_BOUNDS: f32 = 1e-3;
 
-/// What a hit on the inner side of a triangle says.
+/// Meaning of a hit on the inner side of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shell {
     /// Of a closed solid wound outward: a hit from behind is a hit from inside.
     Outward,
     /// Of a closed solid wound inward in the file: a hit from the front is a hit from inside.
     Inward,
-    /// Not of a closed solid: only the whole outlook can tell.
+    /// Not of a closed solid: only all that a point sees can tell.
     Open,
 }
 

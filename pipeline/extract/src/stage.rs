@@ -1,20 +1,19 @@
 //! One draw of rows, path-traced.
 
-use crate::candidates::{Accepted, Proposal, accept};
-use crate::config::{Census, ExtractError, Region};
+use crate::candidates::{Proposal, accept};
+use crate::census::Census;
+use crate::error::ExtractError;
 use crate::eyes::Eyes;
-use crate::outlook::Lookout;
-use crate::planning::scramble_seed;
-use glam::Vec3;
-use rrf_field::columns::{self, Columns};
+use crate::halves::{scramble_seed, trace_halves};
+use crate::region::Region;
+use crate::visibility::VisibilityQueries;
+use rrf_field::columns::Columns;
 use rrf_field::tree::Domain;
 use rrf_scene::Scene;
-use rrf_trace::{Queries, Stream, Tracer, indirect};
+use rrf_trace::{Stream, Tracer};
 
 /// Stage number of extraction in every [`Stream`].
 pub const STAGE: u32 = 1;
-/// Stage number of the plan's pilot.
-pub(crate) const PILOT_STAGE: u32 = 3;
 /// Candidates drawn for each row wanted before a draw makes do with fewer rows.
 const PATIENCE: usize = 4096;
 /// First numbers of the Sobol streams of draws; the plan's own stream is 0.
@@ -52,14 +51,14 @@ pub struct Drawn {
 pub fn extract(
     scene: &Scene,
     tracer: &Tracer,
-    lookout: &Lookout,
+    visibility: &VisibilityQueries,
     eyes: Option<&Eyes>,
     light_box: Region,
     seed: u64,
     draw: &Draw,
 ) -> Result<Drawn, ExtractError> {
     let scramble = scramble_seed(seed, u64::from(draw.stream) + FIRST_STREAM);
-    let accepted = Proposal::new(scene, tracer, lookout, draw.domain, light_box, scramble)
+    let accepted = Proposal::new(scene, tracer, visibility, draw.domain, light_box, scramble)
         .map(|proposal| accept(&proposal.seen_by(eyes), draw.rows as usize, PATIENCE))
         .unwrap_or_default();
     let stream = Stream::new(seed, STAGE, draw.stream);
@@ -72,31 +71,4 @@ pub fn extract(
         halves,
         census: accepted.census,
     })
-}
-
-/// Two independent half estimates [W/(sr m^2)] of every accepted row.
-pub(crate) fn trace_halves(
-    tracer: &Tracer,
-    accepted: &Accepted,
-    paths: u32,
-    stream: Stream,
-) -> Result<[Vec<[f32; 3]>; 2], ExtractError> {
-    let column = |first| -> Vec<Vec3> {
-        (0..accepted.rows.len())
-            .map(|r| accepted.rows.vec3(first, r).into())
-            .collect()
-    };
-    let (viewers, lights) = (column(columns::V), column(columns::L));
-    let queries = Queries {
-        points: &accepted.surface,
-        viewers: &viewers,
-        lights: &lights,
-    };
-    let estimates = indirect(tracer, queries, paths, 2, stream, 0)?;
-    let half = |h: usize| {
-        (0..estimates.len())
-            .map(|q| estimates.halves(q)[h].to_array())
-            .collect()
-    };
-    Ok([half(0), half(1)])
 }

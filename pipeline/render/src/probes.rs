@@ -5,8 +5,9 @@ use crate::tile::raw;
 use glam::Vec3;
 use rrf_field::Field;
 use rrf_field::columns::{self, Columns};
+use rrf_materials::{ShadingFrame, cosine_hemisphere};
 use rrf_scene::INVALID;
-use rrf_trace::{Frame, Reflections, Sampling, Stream, SurfacePoint, Tracer, lamp_light};
+use rrf_trace::{Reflections, Sampling, Stream, SurfacePoint, Tracer, lamp_light};
 
 /// Probes of the surface.
 const PROBES: usize = 768;
@@ -44,8 +45,8 @@ impl Probes {
                 point.normal
             };
             let [u, v] = [7, 11].map(|base| radical_inverse(k + 1, base));
-            let local = rrf_trace::bsdf::cosine_hemisphere([u, v]);
-            let viewer = Frame::new(normal).to_world(local);
+            let local = cosine_hemisphere([u, v]);
+            let viewer = ShadingFrame::new(normal).to_world(local);
             probes.rows.push(raw(tracer, &point, viewer));
             probes.points.push(point);
             probes.viewers.push(viewer);

@@ -16,9 +16,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::{Borders, Field, Light, Lit, Workspace};
-use rrf_scene::{MaterialKind, PointLight};
+use rrf_scene::PointLight;
 use rrf_trace::Tracer;
-use rrf_trace::bsdf::Bsdf;
 use std::sync::Mutex;
 
 /// Which part of the light a frame shows.
@@ -300,7 +299,7 @@ impl Job<'_> {
         let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);
         for (&pixel, (((&r, &g), &b), material)) in seen.pixel.iter().zip(rgb) {
             // no net was trained on what sends no light, such as a lamp
-            if !is_black(material) {
+            if !material.is_black() {
                 band.indirect[pixel as usize] += weight * Vec3::new(r, g, b);
             }
         }
@@ -317,11 +316,6 @@ impl Job<'_> {
         lap.end(&mut stages.resolve);
         Ok(())
     }
-}
-
-/// Whether a surface reflects nothing.
-fn is_black(material: &Bsdf) -> bool {
-    material.kind == MaterialKind::Lambert && material.base_color == Vec3::ZERO
 }
 
 /// Whether each row is trusted under every one of the lights.

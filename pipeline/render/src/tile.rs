@@ -3,8 +3,8 @@
 use crate::view::View;
 use glam::Vec3;
 use rrf_field::columns::{self, Columns};
+use rrf_materials::Bsdf;
 use rrf_scene::INVALID;
-use rrf_trace::bsdf::Bsdf;
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
 /// Size of a tile in pixels: its rows and what is computed from them stay in a core's cache,
@@ -181,9 +181,6 @@ pub fn raw(tracer: &Tracer, point: &SurfacePoint, v: Vec3) -> [f32; columns::COU
     put(columns::P, point.position);
     put(columns::N, normal);
     put(columns::V, v);
-    put(columns::BASE, material.base_color);
-    raw[columns::ROUGHNESS] = material.roughness;
-    raw[columns::METALLIC] = material.metallic;
-    raw[columns::SPECULAR] = material.specular;
+    raw[columns::BASE..=columns::SPECULAR].copy_from_slice(&material.columns());
     raw
 }

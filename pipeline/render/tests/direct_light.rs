@@ -11,7 +11,7 @@ use rrf_field::tree::Tree;
 use rrf_render::{
     Lamps, Lights, OFF_CENTRE, Part, RenderOptions, ShadowRays, View, render, trace_frame,
 };
-use rrf_scene::{AreaLight, INVALID, Material, MaterialKind, PointLight, Scene};
+use rrf_scene::{AreaLight, INVALID, Material, PointLight, Scene};
 use rrf_trace::Tracer;
 use std::f64::consts::TAU;
 
@@ -23,17 +23,7 @@ const SEEDS: u64 = 64;
 /// Quads of one grey Lambert material: corner and two edges, lamps last.
 fn scene(quads: &[[Vec3; 3]], lamps: &[[Vec3; 3]], radiance: f32) -> Scene {
     let mut scene = Scene {
-        materials: vec![Material {
-            name: "grey".to_string(),
-            kind: MaterialKind::Lambert,
-            base_color: Vec3::splat(ALBEDO),
-            roughness: 0.5,
-            metallic: 0.0,
-            specular: 0.5,
-            base_texture: INVALID,
-            roughness_metallic_texture: INVALID,
-            normal_texture: INVALID,
-        }],
+        materials: vec![Material::lambert("grey", Vec3::splat(ALBEDO))],
         area_lights: vec![AreaLight {
             radiance: Vec3::splat(radiance),
             two_sided: false,

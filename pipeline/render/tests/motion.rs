@@ -9,7 +9,7 @@ use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_render::{Frame, Lights, Part, RenderOptions, View, render};
-use rrf_scene::{INVALID, Material, MaterialKind, PointLight, Scene};
+use rrf_scene::{INVALID, Material, PointLight, Scene};
 use rrf_trace::Tracer;
 
 /// How far the light goes from frame to frame.
@@ -26,17 +26,7 @@ fn scene() -> Scene {
         triangle_material: vec![0; 2],
         triangle_light: vec![INVALID; 2],
         triangle_object: vec![0; 2],
-        materials: vec![Material {
-            name: "grey".to_string(),
-            kind: MaterialKind::Lambert,
-            base_color: Vec3::splat(0.6),
-            roughness: 0.5,
-            metallic: 0.0,
-            specular: 0.5,
-            base_texture: INVALID,
-            roughness_metallic_texture: INVALID,
-            normal_texture: INVALID,
-        }],
+        materials: vec![Material::lambert("grey", Vec3::splat(0.6))],
         ..Scene::default()
     }
 }

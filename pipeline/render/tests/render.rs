@@ -12,7 +12,7 @@ use rrf_render::{
     Frame, Lights, Negative, OFF_CENTRE, Part, RenderError, RenderOptions, View, luminance, render,
     trace_frame, trace_untrusted,
 };
-use rrf_scene::{AreaLight, INVALID, Material, MaterialKind, PointLight, Scene};
+use rrf_scene::{AreaLight, INVALID, Material, PointLight, Scene};
 use rrf_trace::Tracer;
 use std::f32::consts::PI;
 
@@ -38,17 +38,7 @@ fn floor(blocker: bool) -> Scene {
         triangle_light: vec![INVALID; count],
         triangle_object: vec![0; count],
         triangles,
-        materials: vec![Material {
-            name: "floor".to_string(),
-            kind: MaterialKind::Lambert,
-            base_color: ALBEDO,
-            roughness: 0.5,
-            metallic: 0.0,
-            specular: 0.5,
-            base_texture: INVALID,
-            roughness_metallic_texture: INVALID,
-            normal_texture: INVALID,
-        }],
+        materials: vec![Material::lambert("floor", ALBEDO)],
         ..Scene::default()
     }
 }

@@ -22,7 +22,7 @@ pub enum SceneError {
         line: u32,
         /// Column in characters, from 1.
         column: u32,
-        /// What is wrong and what would be right.
+        /// The fault, and what would be right.
         message: String,
     },
     /// The file is well-formed but its content cannot be a scene.
@@ -32,7 +32,7 @@ pub enum SceneError {
         path: PathBuf,
         /// Mesh, node, material or accessor.
         place: String,
-        /// What is wrong and what would be right.
+        /// The fault, and what would be right.
         message: String,
     },
     /// The ending names no format that is read here.

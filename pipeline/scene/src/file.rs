@@ -1,23 +1,21 @@
 //! Reading a file whole.
 
 use crate::SceneError;
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
 
 /// The bytes of a regular file. Devices and pipes, which may never end, are refused.
+pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    if !path.metadata()?.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
+    std::fs::read(path)
+}
+
+/// [`read`], failing with the path.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, SceneError> {
-    let failed = |source| SceneError::Io {
+    read(path).map_err(|source| SceneError::Io {
         path: path.to_path_buf(),
         source,
-    };
-    let is_file = path.metadata().map_err(failed)?.is_file();
-    if !is_file {
-        return Err(failed(io::Error::other("not a regular file")));
-    }
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|mut file| file.read_to_end(&mut bytes))
-        .map_err(failed)?;
-    Ok(bytes)
+    })
 }

@@ -5,7 +5,7 @@
 //!
 //! A file's journey: `load` chooses the reader by the file's ending; the reader fills the
 //! columns and notes in [`Scene::warnings`] what it approximates or leaves out; `validate`
-//! checks what every scene must fulfil, and `mend` removes what no stage can use. From then
+//! checks what every scene must fulfil, and `sanitize` removes what no stage can use. From then
 //! on ids are in range, numbers finite, and triangles have an area. [`Scene::hash`] names the
 //! scene for a run's manifest, [`Scene::summary`] shows what was understood.
 //!
@@ -24,11 +24,11 @@ mod file;
 mod gltf;
 mod load;
 mod measure;
-mod mend;
 mod obj;
 mod options;
 mod pbrt;
 mod relight;
+mod sanitize;
 mod scene;
 mod show;
 mod summary;
@@ -43,9 +43,8 @@ pub use error::SceneError;
 pub use load::load;
 pub use measure::Bounds;
 pub use options::{LightUnits, LoadOptions};
-pub use scene::{
-    AreaLight, Camera, INVALID, Material, MaterialKind, PointLight, Scene, Texture, Warning,
-};
+pub use rrf_materials::{INVALID, Material, MaterialKind, Texture};
+pub use scene::{AreaLight, Camera, PointLight, Scene, Warning};
 pub use summary::{
     AreaLightSummary, CameraSummary, MaterialSummary, ObjectSummary, PointLightSummary, Summary,
     TextureSummary,

@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Reads a scene file; the ending chooses the format: `.pbrt`, `.gltf`, `.glb`, `.obj`.
 ///
-/// What is approximated or left out is in [`Scene::warnings`]; what cannot be understood
+/// Approximations and omissions are in [`Scene::warnings`]; what cannot be understood
 /// is an error with its place. The scene returned is sound: columns of equal length, ids in
 /// range, finite numbers, at least one triangle, none without area.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {

@@ -1,6 +1,6 @@
 //! Extent, areas and the hash of a scene.
 
-use crate::{INVALID, MaterialKind, Scene};
+use crate::{INVALID, Material, Scene};
 use glam::Vec3;
 
 /// An axis-aligned box in world space.
@@ -139,15 +139,10 @@ impl Columns {
         self.0.update(&buffer).update(&count.to_le_bytes());
     }
 
+    /// The columns that every kind fills, then further parameters where a kind has them.
     fn materials(&mut self, scene: &Scene) {
         let materials = || scene.materials.iter();
-        self.ids(
-            "material_kinds",
-            materials().map(|m| match m.kind {
-                MaterialKind::Lambert => 0,
-                MaterialKind::Principled => 1,
-            }),
-        );
+        self.ids("material_kinds", materials().map(|m| m.kind.number));
         self.floats(
             "base_colors",
             materials().flat_map(|m| m.base_color.to_array()),
@@ -158,14 +153,13 @@ impl Columns {
         );
         self.ids(
             "material_textures",
-            materials().flat_map(|m| {
-                [
-                    m.base_texture,
-                    m.roughness_metallic_texture,
-                    m.normal_texture,
-                ]
-            }),
+            materials().flat_map(Material::textures),
         );
+        let further = || materials().flat_map(|m| &m.own);
+        if further().next().is_some() {
+            self.floats("own", further().flat_map(|p| p.value.to_array()));
+            self.ids("own_textures", further().map(|p| p.texture));
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the reader of a scene file may choose.
+//! Choices of a reader of scene files.
 
 /// Choices that a scene file leaves open.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -6,7 +6,7 @@ pub struct LoadOptions {
     /// Reflectance of a surface for which the file gives no material, in [0, 1]. pbrt has a
     /// default of its own, 0.5.
     pub default_albedo: f32,
-    /// What the numbers of glTF's point lights mean.
+    /// Unit of glTF's point lights.
     pub light_units: LightUnits,
 }
 

@@ -1,7 +1,7 @@
 //! A scene whose own lights have been taken out, to be lit by others.
 
-use crate::{AreaLight, INVALID, MaterialKind, Scene};
-use glam::Vec3;
+use crate::{AreaLight, INVALID, Scene};
+use rrf_materials::Bsdf;
 
 impl Scene {
     /// The scene without its own lights: point lights and emission go, and with them the
@@ -24,9 +24,7 @@ impl Scene {
 
     fn is_lamp(&self, triangle: usize) -> bool {
         let material = &self.materials[self.triangle_material[triangle] as usize];
-        self.triangle_light[triangle] != INVALID
-            && material.kind == MaterialKind::Lambert
-            && material.base_color == Vec3::ZERO
+        self.triangle_light[triangle] != INVALID && Bsdf::of(material).is_black()
     }
 }
 

@@ -1,72 +1,8 @@
 //! The scene's columns.
 
 use glam::{Vec2, Vec3};
+use rrf_materials::{Material, Texture};
 use std::path::PathBuf;
-
-/// "No such thing" in a column of ids.
-pub const INVALID: u32 = u32::MAX;
-
-/// How a surface scatters light. Both kinds are two-sided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MaterialKind {
-    /// Ideal diffuse: f = base_color / pi.
-    Lambert,
-    /// Mitsuba 3's `principled` with base colour, roughness, metallic and specular only.
-    Principled,
-}
-
-/// Material parameters; a texture, where present, multiplies the constant.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// Name in the scene file, for messages.
-    pub name: String,
-    /// Scattering model.
-    pub kind: MaterialKind,
-    /// Linear sRGB reflectance, each channel in [0, 1].
-    pub base_color: Vec3,
-    /// Perceptual roughness in [0, 1]; GGX alpha is max(0.001, roughness^2).
-    pub roughness: f32,
-    /// Metalness in [0, 1].
-    pub metallic: f32,
-    /// Dielectric specular in [0, 1]; 0.5 means an index of refraction of 1.5.
-    pub specular: f32,
-    /// Texture of linear base colour (RGB), or [`INVALID`].
-    pub base_texture: u32,
-    /// Texture of roughness (G) and metallic (B), or [`INVALID`].
-    pub roughness_metallic_texture: u32,
-    /// Tangent-space normal map, stored as unit vectors scaled into [0, 1], or [`INVALID`].
-    /// x points along dp/du, y along dp/dv (v upwards), z along the shading normal.
-    pub normal_texture: u32,
-}
-
-impl Material {
-    /// Ideal diffuse reflection, without textures.
-    pub fn lambert(name: impl Into<String>, base_color: Vec3) -> Self {
-        Self {
-            name: name.into(),
-            kind: MaterialKind::Lambert,
-            base_color,
-            roughness: 1.0,
-            metallic: 0.0,
-            specular: 0.0,
-            base_texture: INVALID,
-            roughness_metallic_texture: INVALID,
-            normal_texture: INVALID,
-        }
-    }
-}
-
-/// A decoded picture, row-major from the top, three linear f32 channels a texel.
-/// Looked up with wrap-around repetition and bilinear interpolation.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Texture {
-    /// Width in texels.
-    pub width: u32,
-    /// Height in texels.
-    pub height: u32,
-    /// `width * height` linear RGB texels.
-    pub texels: Vec<Vec3>,
-}
 
 /// An isotropic point light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,7 +50,7 @@ pub struct Camera {
 pub struct Warning {
     /// `file:line:column`, or the node or material concerned.
     pub place: String,
-    /// What was approximated or ignored, and how.
+    /// The approximation or omission, and how it was made.
     pub message: String,
 }
 
@@ -151,6 +87,16 @@ pub struct Scene {
     pub area_lights: Vec<AreaLight>,
     /// Cameras, the first one the default.
     pub cameras: Vec<Camera>,
-    /// What was approximated or left out.
+    /// Approximations and omissions.
     pub warnings: Vec<Warning>,
+}
+
+impl Scene {
+    /// Adds a warning about the scene as a whole.
+    pub(crate) fn warn(&mut self, message: impl Into<String>) {
+        self.warnings.push(Warning {
+            place: self.source.display().to_string(),
+            message: message.into(),
+        });
+    }
 }

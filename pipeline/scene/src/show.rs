@@ -79,13 +79,21 @@ impl fmt::Display for MaterialSummary {
             self.kind,
             Triple(&self.base_color)
         )?;
-        if let (Some(roughness), Some(metallic), Some(specular)) =
-            (self.roughness, self.metallic, self.specular)
-        {
-            write!(
-                out,
-                "  roughness {roughness:.3} metallic {metallic:.3} specular {specular:.3}"
-            )?;
+        let mut gap = "  ";
+        let common = [
+            ("roughness", self.roughness),
+            ("metallic", self.metallic),
+            ("specular", self.specular),
+        ];
+        for (name, value) in common {
+            if let Some(value) = value {
+                write!(out, "{gap}{name} {value:.3}")?;
+                gap = " ";
+            }
+        }
+        for (name, value) in &self.own {
+            write!(out, "{gap}{name} {value:.3?}")?;
+            gap = " ";
         }
         for (name, texture) in ["colour", "roughness", "normal"].iter().zip(self.textures) {
             if let Some(id) = texture {

@@ -1,10 +1,12 @@
-//! What was understood of a scene file, for people and for programs.
+//! Summary of a scene file, for people and for programs.
 
 use crate::measure::areas_by;
-use crate::{Bounds, INVALID, MaterialKind, Scene, Warning};
+use crate::{Bounds, INVALID, Material, Scene, Warning};
+use rrf_materials::Storage;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
-/// What `rrf scene` prints. Lengths are in scene units, areas in their square.
+/// Output of `rrf scene`. Lengths are in scene units, areas in their square.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// The file.
@@ -31,7 +33,7 @@ pub struct Summary {
     pub area_lights: Vec<AreaLightSummary>,
     /// Cameras, the first the default.
     pub cameras: Vec<CameraSummary>,
-    /// What was approximated or left out.
+    /// Approximations and omissions.
     pub warnings: Vec<Warning>,
 }
 
@@ -40,16 +42,19 @@ pub struct Summary {
 pub struct MaterialSummary {
     /// Name in the file.
     pub name: String,
-    /// `lambert` or `principled`.
+    /// Its kind's name.
     pub kind: &'static str,
     /// Linear sRGB.
     pub base_color: [f32; 3],
-    /// Perceptual roughness; `None` for Lambert, as the next two.
+    /// Perceptual roughness; `None` where its kind has none, as the next two.
     pub roughness: Option<f32>,
     /// Metalness.
     pub metallic: Option<f32>,
     /// Dielectric specular.
     pub specular: Option<f32>,
+    /// Further parameters by name: one number, or three of a colour.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub own: BTreeMap<&'static str, Vec<f32>>,
     /// Texture ids: base colour, roughness and metallic, normal.
     pub textures: [Option<u32>; 3],
     /// Number of triangles.
@@ -124,7 +129,7 @@ pub struct CameraSummary {
 }
 
 impl Scene {
-    /// What was understood of the file.
+    /// Summarises what was understood of the file.
     pub fn summary(&self) -> Summary {
         let objects = areas_by(self, &self.triangle_object, self.objects.len());
         Summary {
@@ -171,33 +176,8 @@ impl Scene {
 
     fn material_summaries(&self) -> Vec<MaterialSummary> {
         let areas = areas_by(self, &self.triangle_material, self.materials.len());
-        let texture = |id: u32| (id != INVALID).then_some(id);
-        self.materials
-            .iter()
-            .zip(areas)
-            .map(|(m, (triangles, area))| {
-                let (kind, principled) = match m.kind {
-                    MaterialKind::Lambert => ("lambert", false),
-                    MaterialKind::Principled => ("principled", true),
-                };
-                MaterialSummary {
-                    name: m.name.clone(),
-                    kind,
-                    base_color: m.base_color.to_array(),
-                    roughness: principled.then_some(m.roughness),
-                    metallic: principled.then_some(m.metallic),
-                    specular: principled.then_some(m.specular),
-                    textures: [
-                        m.base_texture,
-                        m.roughness_metallic_texture,
-                        m.normal_texture,
-                    ]
-                    .map(texture),
-                    triangles,
-                    area,
-                }
-            })
-            .collect()
+        let materials = self.materials.iter().zip(areas);
+        materials.map(|(m, of)| material_summary(m, of)).collect()
     }
 
     fn area_light_summaries(&self) -> Vec<AreaLightSummary> {
@@ -233,5 +213,25 @@ impl Scene {
                 height: camera.height,
             })
             .collect()
+    }
+}
+
+fn material_summary(material: &Material, (triangles, area): (u64, f64)) -> MaterialSummary {
+    let entry = material.kind;
+    let own = material.parameters().filter_map(|p| {
+        let numbers = p.value.to_array()[..p.width].to_vec();
+        matches!(p.slot.storage, Storage::Own { .. }).then_some((p.slot.name, numbers))
+    });
+    MaterialSummary {
+        name: material.name.clone(),
+        kind: entry.name,
+        base_color: material.base_color.to_array(),
+        roughness: entry.has(Storage::Roughness).then_some(material.roughness),
+        metallic: entry.has(Storage::Metallic).then_some(material.metallic),
+        specular: entry.has(Storage::Specular).then_some(material.specular),
+        own: own.collect(),
+        textures: material.textures().map(|id| (id != INVALID).then_some(id)),
+        triangles,
+        area,
     }
 }

@@ -6,6 +6,7 @@ use crate::{
     Warning,
 };
 use glam::{Vec2, Vec3};
+use rrf_materials::{LAMBERT, PRINCIPLED};
 
 /// A unit square of two triangles in z = 0, lit, seen and textured.
 fn square() -> Scene {
@@ -19,10 +20,7 @@ fn square() -> Scene {
         triangle_light: vec![INVALID, 0],
         triangle_object: vec![0, 0],
         objects: vec!["square".into()],
-        materials: vec![
-            material("wall", MaterialKind::Lambert),
-            material("gloss", MaterialKind::Principled),
-        ],
+        materials: vec![material("wall", &LAMBERT), material("gloss", &PRINCIPLED)],
         textures: vec![Texture {
             width: 1,
             height: 1,
@@ -50,17 +48,11 @@ fn square() -> Scene {
     }
 }
 
-fn material(name: &str, kind: MaterialKind) -> Material {
+fn material(name: &str, kind: &'static MaterialKind) -> Material {
     Material {
-        name: name.into(),
         kind,
-        base_color: Vec3::splat(0.5),
-        roughness: 0.5,
-        metallic: 0.0,
-        specular: 0.5,
         base_texture: 0,
-        roughness_metallic_texture: INVALID,
-        normal_texture: INVALID,
+        ..Material::principled(name, Vec3::splat(0.5), 0.5, 0.0, 0.5)
     }
 }
 
@@ -265,7 +257,7 @@ fn hash_sees_all_that_changes_the_light_and_nothing_else() {
         |s| s.triangle_material[0] = 1,
         |s| s.triangle_light[1] = INVALID,
         |s| s.triangle_object[1] = 1,
-        |s| s.materials[0].kind = MaterialKind::Principled,
+        |s| s.materials[0].kind = &PRINCIPLED,
         |s| s.materials[0].base_color.z = 0.25,
         |s| s.materials[0].roughness = 0.25,
         |s| s.materials[0].metallic = 0.25,
@@ -383,7 +375,7 @@ fn summary_for_people() {
         message: "left out".into(),
     });
     scene.materials = (0..50)
-        .map(|i| material(&format!("m{i}"), MaterialKind::Lambert))
+        .map(|i| material(&format!("m{i}"), &LAMBERT))
         .collect();
     let text = scene.summary().to_string();
     for words in [

@@ -1,13 +1,13 @@
-//! What every scene must fulfil, whatever its format.
+//! Requirements on every scene, whatever its format.
 
-use crate::mend::mend;
-use crate::{INVALID, Scene, SceneError, Warning};
+use crate::sanitize::sanitize;
+use crate::{INVALID, Scene, SceneError};
 use glam::{Vec2, Vec3};
 
-/// Checks a scene that a reader made and mends what can be mended, with warnings.
+/// Checks a scene that a reader made and sanitizes it, with warnings.
 ///
 /// Errors: columns of unequal length; positions, texture coordinates, lights or cameras that
-/// are not finite; ids out of range; negative light; no triangles. Mended: triangles without
+/// are not finite; ids out of range; negative light; no triangles. Sanitized: triangles without
 /// area are removed; material parameters and texels are clamped to [0, 1]; normals are
 /// brought to unit length, and those without direction become the zero vector.
 pub(crate) fn validate(mut scene: Scene) -> Result<Scene, SceneError> {
@@ -16,7 +16,7 @@ pub(crate) fn validate(mut scene: Scene) -> Result<Scene, SceneError> {
     check_vertices(&scene)?;
     check_lights(&scene)?;
     check_cameras(&scene)?;
-    mend(&mut scene)?;
+    sanitize(&mut scene)?;
     if scene.triangles.is_empty() {
         return refuse(
             &scene,
@@ -26,7 +26,7 @@ pub(crate) fn validate(mut scene: Scene) -> Result<Scene, SceneError> {
     }
     if scene.point_lights.is_empty() && scene.area_lights.is_empty() {
         let message = "the scene has no lights of its own; a picture of it needs --light";
-        warn(&mut scene, message);
+        scene.warn(message);
     }
     Ok(scene)
 }
@@ -41,14 +41,6 @@ fn refuse<T>(
         place: place.into(),
         message: message.into(),
     })
-}
-
-/// A warning about the scene as a whole.
-pub(crate) fn warn(scene: &mut Scene, message: impl Into<String>) {
-    scene.warnings.push(Warning {
-        place: scene.source.display().to_string(),
-        message: message.into(),
-    });
 }
 
 /// The name of a triangle's object, for messages.

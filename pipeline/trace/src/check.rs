@@ -1,4 +1,4 @@
-//! What a scene must fulfil before rays may index it.
+//! Requirements on a scene before rays may index it.
 
 use crate::TraceError;
 use rrf_scene::{INVALID, Scene};
@@ -72,12 +72,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), TraceError> {
         }
     }
     for material in &scene.materials {
-        let used = [
-            material.base_texture,
-            material.roughness_metallic_texture,
-            material.normal_texture,
-        ];
-        for id in used {
+        for id in material.texture_ids() {
             if id != INVALID && id as usize >= scene.textures.len() {
                 return Err(TraceError::TextureId {
                     material: material.name.clone(),

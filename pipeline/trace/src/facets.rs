@@ -1,8 +1,8 @@
-//! What hits and samples need of a triangle and its material, side by side.
+//! Triangles as hits and samples need them: geometry and material side by side.
 
-use crate::bsdf::Bsdf;
 use glam::{DVec3, Vec3};
-use rrf_scene::{INVALID, Material, Scene};
+use rrf_materials::{INVALID, Material};
+use rrf_scene::Scene;
 
 /// Rounding units by which a ray's origin is lifted off its triangle, times the largest
 /// coordinate of the triangle. A point made from barycentrics is within about 5 units of its
@@ -43,8 +43,7 @@ impl Facet {
             lift: LIFT * largest.max(f32::MIN_POSITIVE),
             material,
             smooth: is_smooth(scene, id, normal, textures),
-            textured: textures.base_texture != INVALID
-                || textures.roughness_metallic_texture != INVALID,
+            textured: textures.varies(),
         };
         (facet, 0.5 * doubled.length())
     }
@@ -73,9 +72,4 @@ fn is_smooth(scene: &Scene, id: usize, normal: Vec3, material: &Material) -> boo
 fn doubled_area(corners: [Vec3; 3]) -> DVec3 {
     let [p0, p1, p2] = corners.map(Vec3::as_dvec3);
     (p1 - p0).cross(p2 - p0)
-}
-
-/// The constants of all materials.
-pub(crate) fn constants(scene: &Scene) -> Vec<Bsdf> {
-    scene.materials.iter().map(Bsdf::of).collect()
 }

@@ -12,7 +12,7 @@ use crate::tracer::Tracer;
 use crate::wave::{KEEP, Part, Row, Source, estimate};
 use glam::Vec3;
 
-/// What to estimate: parallel columns of one length.
+/// Queries of indirect light: parallel columns of one length.
 #[derive(Clone, Copy, Debug)]
 pub struct Queries<'a> {
     /// Surface points.

@@ -5,13 +5,12 @@
 //! point light shines, direct light left out; [`lamp_light`] what they send when the scene's own
 //! lamps shine.
 //! Paths travel in waves over columns (`wave`); their rays walk an eight-wide hierarchy
-//! (`walk`); surfaces scatter by [`bsdf`]. Random numbers are a function of indices
+//! (`walk`); surfaces scatter as [`rrf_materials`] says. Random numbers are a function of indices
 //! ([`Stream`]), so that any part of any result can be made again alone, on any number of
 //! threads.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
-pub mod bsdf;
 mod check;
 mod error;
 mod estimates;
@@ -20,7 +19,6 @@ mod indirect;
 mod lamp_light;
 mod lamps;
 mod locate;
-mod math;
 mod mirrors;
 mod rays;
 pub mod rng;
@@ -37,5 +35,5 @@ pub use indirect::{Estimator, Queries, indirect, indirect_with};
 pub use lamp_light::{Reflections, lamp_light};
 pub use rays::{Hits, Rays};
 pub use rng::Stream;
-pub use surface::{Frame, SurfacePoint};
+pub use surface::SurfacePoint;
 pub use tracer::Tracer;

@@ -3,7 +3,7 @@
 //! Each batch is dispatched once to the widest instruction set that the processor has;
 //! every one of them gives the same bits (no fused operations, no approximations).
 
-use crate::walk::{Found, Stack, Wide};
+use crate::walk::{Found, Ray, Stack, Wide};
 use glam::Vec3;
 use multiversion::multiversion;
 use std::cell::Cell;
@@ -66,14 +66,6 @@ impl Rays {
     }
 }
 
-/// One ray of a batch that the tracer makes for itself.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ray {
-    pub(crate) origin: Vec3,
-    pub(crate) direction: Vec3,
-    pub(crate) t_max: f32,
-}
-
 /// The closest triangle of every ray, into `hits`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
 pub(crate) fn closest(wide: &Wide, rays: &[Ray], stack: &mut Stack, hits: &mut Vec<Found>) {
@@ -88,7 +80,7 @@ pub(crate) fn occluded(wide: &Wide, rays: &[Ray], stack: &mut Stack, blocked: &m
     wide.occluded_of(rays, stack, blocked);
 }
 
-/// What a batch of columns is turned into.
+/// Rows that a batch of columns is turned into.
 #[derive(Default)]
 struct Scratch {
     rows: Vec<Ray>,

@@ -1,33 +1,19 @@
 //! Textures and interpolated normals.
 
-use crate::bsdf::Bsdf;
 use crate::tracer::Tracer;
 use glam::{Vec2, Vec3};
-use rrf_scene::{Material, Texture};
+use rrf_materials::{Bsdf, Material};
 
 impl Tracer<'_> {
     /// A material's constants times its textures at a point.
     pub(crate) fn textured(&self, triangle: u32, at: [f32; 2], constants: Bsdf) -> Bsdf {
         let (material, uv) = (self.material(triangle), self.uv(triangle, at));
-        let mut bsdf = constants;
-        if let Some(texture) = self.texture(material.base_texture) {
-            bsdf.base_color *= texture.sample(uv);
-        }
-        if let Some(texture) = self.texture(material.roughness_metallic_texture) {
-            let texel = texture.sample(uv);
-            bsdf.roughness *= texel.y;
-            bsdf.metallic *= texel.z;
-        }
-        bsdf
+        constants.textured(material, &self.scene.textures, uv)
     }
 
     fn material(&self, triangle: u32) -> &Material {
         let id = self.facets[triangle as usize].material;
         &self.scene.materials[id as usize]
-    }
-
-    fn texture(&self, id: u32) -> Option<&Texture> {
-        self.scene.textures.get(id as usize)
     }
 
     fn uv(&self, triangle: u32, [b1, b2]: [f32; 2]) -> Vec2 {
@@ -39,7 +25,8 @@ impl Tracer<'_> {
     /// Unit shading normal on the outer side: interpolated, then bent by the normal map.
     pub(crate) fn bent_normal(&self, triangle: u32, barycentrics: [f32; 2]) -> Vec3 {
         let smooth = self.smooth_normal(triangle, barycentrics);
-        let Some(texture) = self.texture(self.material(triangle).normal_texture) else {
+        let id = self.material(triangle).normal_texture;
+        let Some(texture) = self.scene.textures.get(id as usize) else {
             return smooth;
         };
         let Some((tangent, bitangent)) = self.tangents(triangle, smooth) else {

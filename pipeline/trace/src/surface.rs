@@ -1,10 +1,9 @@
 //! Where rays end: points, frames and materials on the scene's surface.
 
-use crate::bsdf::Bsdf;
 use crate::lamps;
 use crate::tracer::Tracer;
 use glam::Vec3;
-use rrf_scene::MaterialKind;
+use rrf_materials::Bsdf;
 
 /// A point on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,53 +36,8 @@ impl Vertex {
         geometric: Vec3::Z,
         shading: Vec3::Z,
         lift: 0.0,
-        bsdf: Bsdf {
-            kind: MaterialKind::Lambert,
-            base_color: Vec3::ZERO,
-            roughness: 1.0,
-            metallic: 0.0,
-            specular: 0.0,
-        },
+        bsdf: Bsdf::BLACK,
     };
-}
-
-/// Orthonormal axes at a surface point, right-handed: x by y is z, and z the normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
-    /// First tangent.
-    pub x: Vec3,
-    /// Second tangent.
-    pub y: Vec3,
-    /// Normal.
-    pub z: Vec3,
-}
-
-impl Frame {
-    /// Tangents for a unit normal without branches on its direction
-    /// (Duff et al., *Building an Orthonormal Basis, Revisited*, JCGT 2017).
-    #[inline(always)]
-    pub fn new(z: Vec3) -> Frame {
-        let sign = 1.0f32.copysign(z.z);
-        let a = -1.0 / (sign + z.z);
-        let b = z.x * z.y * a;
-        Frame {
-            x: Vec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x),
-            y: Vec3::new(b, sign + z.y * z.y * a, -z.y),
-            z,
-        }
-    }
-
-    /// A world direction in this frame.
-    #[inline(always)]
-    pub fn to_local(&self, w: Vec3) -> Vec3 {
-        Vec3::new(w.dot(self.x), w.dot(self.y), w.dot(self.z))
-    }
-
-    /// A direction of this frame in the world.
-    #[inline(always)]
-    pub fn to_world(&self, w: Vec3) -> Vec3 {
-        self.x * w.x + self.y * w.y + self.z * w.z
-    }
 }
 
 impl Tracer<'_> {

@@ -1,9 +1,8 @@
 //! A scene made ready for rays: checked once, then only indexed.
 
 use crate::TraceError;
-use crate::bsdf::Bsdf;
 use crate::check::check;
-use crate::facets::{Facet, constants};
+use crate::facets::Facet;
 use crate::lamps::Lamps;
 use crate::mirrors::Mirrors;
 use crate::rays::{self, Hits, Rays};
@@ -13,7 +12,8 @@ use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
-use rrf_scene::{MaterialKind, Scene};
+use rrf_materials::Bsdf;
+use rrf_scene::Scene;
 use std::time::Duration;
 
 /// A scene with a hierarchy over its triangles and what hits and samples need at hand.
@@ -25,14 +25,12 @@ pub struct Tracer<'s> {
     pub(crate) bvh: Bvh2,
     /// Scene ids of the triangles in the hierarchy.
     pub(crate) kept: Vec<u32>,
-    /// The same tree, eight wide, for rays.
+    /// That tree, eight wide, for rays.
     pub(crate) wide: Wide,
     /// One row a scene triangle.
     pub(crate) facets: Vec<Facet>,
     /// One row a material, textures left out.
     pub(crate) materials: Vec<Bsdf>,
-    /// Whether any material is not Lambert.
-    pub(crate) mixed: bool,
     /// Cumulative area of the scene's triangles, metres squared.
     pub(crate) area_cdf: Vec<f64>,
     /// The triangles that emit.
@@ -64,7 +62,6 @@ impl<'s> Tracer<'s> {
             return Err(TraceError::NoTriangles);
         }
         let bvh = build(&corners);
-        let materials = constants(scene);
         Ok(Tracer {
             scene,
             wide: Wide::new(&bvh, &corners, &kept),
@@ -72,8 +69,7 @@ impl<'s> Tracer<'s> {
             kept,
             mirrors: Mirrors::new(scene, &facets, &areas),
             facets,
-            mixed: materials.iter().any(|m| m.kind != MaterialKind::Lambert),
-            materials,
+            materials: scene.materials.iter().map(Bsdf::of).collect(),
             lamps: Lamps::new(scene, &area_cdf),
             area_cdf,
         })

@@ -1,8 +1,8 @@
 //! Perspective cameras.
 
-use super::Output;
 use super::document::{Document, place};
 use super::nodes::Placed;
+use super::output::Output;
 use crate::{Camera, SceneError};
 use ::gltf::json::camera::Perspective;
 use glam::{DAffine3, DVec3};

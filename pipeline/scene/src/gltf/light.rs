@@ -13,9 +13,9 @@
 //! Emission of materials is written by the exporter without any conversion, so it is read
 //! as radiance whatever the units of the lights.
 
-use super::Output;
 use super::document::{Document, place};
 use super::nodes::Placed;
+use super::output::Output;
 use crate::{LightUnits, LoadOptions, PointLight, SceneError};
 use ::gltf::json::Root;
 use ::gltf::json::extensions::scene::khr_lights_punctual::Type;

@@ -1,13 +1,13 @@
 //! Metallic-roughness materials.
 
-use super::Output;
 use super::document::{Document, place};
+use super::output::Output;
 use super::picture::Pictures;
 use super::specular::specular;
 use super::uv::{TextureUse, UvSource, common_uv, leaves_repetition};
 use crate::texture::Encoding;
 use crate::warn::Warnings;
-use crate::{INVALID, LoadOptions, Material, MaterialKind, SceneError};
+use crate::{INVALID, LoadOptions, Material, SceneError};
 use ::gltf::json;
 use ::gltf::json::Index;
 use ::gltf::json::material::AlphaMode;
@@ -15,7 +15,7 @@ use ::gltf::json::validation::Checked;
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// What a primitive needs to know of its material.
+/// A material as a primitive uses it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MaterialUse {
     /// Id in the scene.
@@ -126,16 +126,13 @@ impl<'a> Materials<'a> {
         let [r, g, b, _] = pbr.base_color_factor.0;
         let pictures = &mut self.pictures;
         let specular = specular(self.document, place, source, warnings)?;
+        let name = source.name.clone().unwrap_or_else(|| place.clone());
+        let (roughness, metallic) = (pbr.roughness_factor.0, pbr.metallic_factor.0);
         let material = Material {
-            name: source.name.clone().unwrap_or_else(|| place.clone()),
-            kind: MaterialKind::Principled,
-            base_color: Vec3::new(r, g, b),
-            roughness: pbr.roughness_factor.0,
-            metallic: pbr.metallic_factor.0,
-            specular,
             base_texture: pictures.texture(base, Encoding::Srgb, place)?,
             roughness_metallic_texture: pictures.texture(mixed, Encoding::Linear, place)?,
             normal_texture: pictures.texture(normal, Encoding::Normal(scale.to_bits()), place)?,
+            ..Material::principled(name, Vec3::new(r, g, b), roughness, metallic, specular)
         };
         let uses: Vec<TextureUse> = [base, mixed, normal].into_iter().flatten().collect();
         let used = MaterialUse {

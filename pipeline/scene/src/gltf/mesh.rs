@@ -1,9 +1,9 @@
 //! Primitives to columns of vertices and triangles.
 
-use super::Output;
 use super::document::{Document, place};
 use super::material::{MaterialUse, Materials};
 use super::nodes::Placed;
+use super::output::Output;
 use super::primitive::Source;
 use super::uv::{UvSource, stays_in_picture};
 use crate::warn::Warnings;

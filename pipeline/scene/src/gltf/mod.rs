@@ -16,23 +16,17 @@ mod light;
 mod material;
 mod mesh;
 mod nodes;
+mod output;
 mod picture;
 mod primitive;
 mod specular;
 mod uv;
 
-use crate::warn::Warnings;
 use crate::{LoadOptions, Scene, SceneError};
 use document::Document;
 use material::Materials;
+use output::Output;
 use std::path::Path;
-
-/// What has been read so far.
-#[derive(Default)]
-struct Output {
-    scene: Scene,
-    warnings: Warnings,
-}
 
 /// Reads a `.gltf` or `.glb` file.
 pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {

@@ -1,7 +1,5 @@
 //! Lines of OBJ and MTL files.
 
-use std::io::{self, BufRead, Read};
-
 /// Statements with the numbers of their (first) lines: comments, blank lines and the
 /// backslashes of continued lines are gone.
 pub(super) fn statements(text: &str) -> impl Iterator<Item = (u32, String)> {
@@ -35,52 +33,6 @@ fn without_comment(line: &str) -> &str {
     line.get(..end).unwrap_or(line).trim_end()
 }
 
-/// Hands text to `tobj` and counts the lines that it takes.
-pub(super) struct Reader<'a> {
-    lines: &'a [u32],
-    rest: &'a [u8],
-    read: usize,
-}
-
-impl<'a> Reader<'a> {
-    /// At the start of `text`, whose lines have these numbers in the file.
-    pub(super) fn new(text: &'a str, lines: &'a [u32]) -> Self {
-        Self {
-            lines,
-            rest: text.as_bytes(),
-            read: 0,
-        }
-    }
-
-    /// The file's line of the last line read.
-    pub(super) fn line(&self) -> u32 {
-        let last = self.read.checked_sub(1);
-        let line = last.and_then(|last| self.lines.get(last));
-        line.copied().unwrap_or(0)
-    }
-}
-
-impl Read for Reader<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.rest.read(buffer)?;
-        let read = buffer.get(..count).unwrap_or(&[]);
-        self.read += read.iter().filter(|&&byte| byte == b'\n').count();
-        Ok(count)
-    }
-}
-
-impl BufRead for Reader<'_> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        Ok(self.rest)
-    }
-
-    fn consume(&mut self, count: usize) {
-        let (read, rest) = self.rest.split_at(count.min(self.rest.len()));
-        self.read += read.iter().filter(|&&byte| byte == b'\n').count();
-        self.rest = rest;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,17 +42,5 @@ mod tests {
         let text = "# c\n\n v 1 \\\n 2 3 # d\r\no a#b\n";
         let got: Vec<_> = statements(text).collect();
         assert_eq!(got, [(3, "v 1   2 3".to_owned()), (5, "o a#b".to_owned())]);
-    }
-
-    #[test]
-    fn the_reader_names_the_line_of_what_it_has_read() {
-        let mut reader = Reader::new("a\nb\nc\n", &[3, 7, 9]);
-        assert_eq!(reader.line(), 0);
-        let mut line = String::new();
-        reader.read_line(&mut line).unwrap();
-        reader.read_line(&mut line).unwrap();
-        assert_eq!((line.as_str(), reader.line()), ("a\nb\n", 7));
-        reader.read_to_string(&mut line).unwrap();
-        assert_eq!(reader.line(), 9);
     }
 }

@@ -1,16 +1,17 @@
 //! MTL materials mapped onto ours.
 
 use super::mtl::{self, Mtl};
-use super::scan::Scan;
+use super::parse::{Model, Obj};
 use crate::file::read_bytes;
 use crate::texture::{Encoding, TextureTable};
 use crate::warn::Warnings;
-use crate::{INVALID, LoadOptions, Material, MaterialKind, Scene, SceneError};
+use crate::{INVALID, LoadOptions, Material, Scene, SceneError};
 use glam::Vec3;
+use rrf_materials::PRINCIPLED;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// What a model needs to know of its material.
+/// A material as a model uses it.
 #[derive(Clone, Copy)]
 pub(super) struct MaterialUse {
     /// Id in the scene.
@@ -36,12 +37,12 @@ impl Materials {
     /// warning, as is a material that none of them defines.
     pub(super) fn read(
         path: &Path,
-        scan: &Scan,
+        obj: &Obj,
         options: &LoadOptions,
         warnings: &mut Warnings,
     ) -> Result<Self, SceneError> {
         let mut library = Vec::new();
-        for (line, name) in &scan.libraries {
+        for (line, name) in &obj.libraries {
             let file = path.parent().unwrap_or(Path::new("")).join(name);
             match read_bytes(&file) {
                 Ok(bytes) => {
@@ -52,7 +53,7 @@ impl Materials {
             }
         }
         let defined: HashSet<&str> = library.iter().map(|mtl| mtl.name.as_str()).collect();
-        for (line, name) in &scan.materials {
+        for (line, name) in &obj.materials {
             if !defined.contains(name.as_str()) {
                 let message = format!("material {name:?} is not defined: the default serves");
                 warnings.add(place(path, *line), message);
@@ -68,27 +69,32 @@ impl Materials {
         })
     }
 
-    /// Names in the libraries; the last of equal ones counts.
-    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
-        self.library.iter().map(|mtl| mtl.name.as_str())
+    /// Place in the libraries of a model's material; of equal names the last one counts.
+    fn place_of(&self, model: &Model) -> Option<usize> {
+        let name = model.material.as_ref()?;
+        self.library.iter().rposition(|mtl| mtl.name == *name)
+    }
+
+    /// Whether two models have the same material, or both none that is defined.
+    pub(super) fn agree(&self, a: &Model, b: &Model) -> bool {
+        self.place_of(a) == self.place_of(b)
     }
 
     /// The material of a model of `triangles` triangles.
     pub(super) fn of_model(
         &mut self,
-        model: &tobj::Model,
+        model: &Model,
         triangles: usize,
         warnings: &mut Warnings,
     ) -> MaterialUse {
-        let mtl = model.mesh.material_id.and_then(|id| self.library.get(id));
-        if mtl.is_none() {
+        let key = self.place_of(model);
+        if key.is_none() {
             self.without += triangles;
         }
-        let key = mtl.and(model.mesh.material_id);
         if let Some(known) = self.known.get(&key) {
             return *known;
         }
-        let (material, radiance) = match mtl.cloned() {
+        let (material, radiance) = match key.and_then(|id| self.library.get(id)).cloned() {
             Some(mtl) => (self.convert(&mtl, warnings), self.radiance(&mtl, warnings)),
             None => (
                 Material::lambert("default", Vec3::splat(self.default_albedo)),
@@ -135,7 +141,7 @@ impl Materials {
         if mtl.roughness.is_some() || mtl.metallic.is_some() {
             let index = mtl.index.unwrap_or(1.5);
             let ratio = (index - 1.0) / (index + 1.0);
-            material.kind = MaterialKind::Principled;
+            material.kind = &PRINCIPLED;
             material.roughness = mtl.roughness.unwrap_or(0.5);
             material.metallic = mtl.metallic.unwrap_or(0.0);
             // F0 = ((n - 1) / (n + 1))^2 = 0.08 specular.

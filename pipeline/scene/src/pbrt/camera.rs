@@ -3,16 +3,9 @@
 use super::fault::{Place, Read, fault};
 use super::params::Params;
 use super::reader::Reader;
-use super::state::Version;
+use super::state::{Film, Version};
 use crate::Camera;
 use glam::DVec3;
-
-/// The picture's size.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Film {
-    pub width: u32,
-    pub height: u32,
-}
 
 impl Reader {
     /// `Camera`: world from camera is the inverse of the current transform; +x to the right,

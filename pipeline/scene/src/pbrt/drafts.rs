@@ -6,7 +6,7 @@ use super::material::Draft;
 use super::metal::{copper, normal_reflectance};
 use super::params::Params;
 use super::reader::Reader;
-use super::texture::Value;
+use super::value::Value;
 use glam::DVec3;
 
 impl Reader {

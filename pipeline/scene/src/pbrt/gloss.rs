@@ -13,7 +13,7 @@ use super::fault::{Read, fault};
 use super::params::Params;
 use super::reader::Reader;
 use super::state::Version;
-use super::texture::Value;
+use super::value::Value;
 
 /// Reflectance at normal incidence between vacuum and a dielectric.
 pub(super) fn f0_of(eta: f64) -> f64 {

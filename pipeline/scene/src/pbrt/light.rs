@@ -112,7 +112,7 @@ impl Reader {
             place,
             "a light's picture is approximated by its mean colour",
         );
-        Ok(self.pictures.mean(id))
+        Ok(self.pictures.mean_of(id))
     }
 
     /// The lights of a shape under the emission in force.

@@ -6,14 +6,15 @@ use super::fault::{Place, Read, fault};
 use super::params::Params;
 use super::reader::Reader;
 use super::state::{Surface, Version};
-use super::texture::{Mapping, Value};
+use super::value::{Mapping, Value};
 use crate::{INVALID, Material, MaterialKind};
 use glam::Vec3;
+use rrf_materials::{LAMBERT, PRINCIPLED};
 
 /// A material on its way.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
-    pub kind: MaterialKind,
+    pub kind: &'static MaterialKind,
     pub base: Value,
     pub roughness: f64,
     pub metallic: f64,
@@ -23,7 +24,7 @@ pub(super) struct Draft {
 
 impl Draft {
     pub fn lambert(base: Value) -> Self {
-        let kind = MaterialKind::Lambert;
+        let kind = &LAMBERT;
         Self {
             kind,
             base,
@@ -35,7 +36,7 @@ impl Draft {
     }
 
     pub fn dielectric(base: Value, roughness: f64, f0: f64) -> Self {
-        let kind = MaterialKind::Principled;
+        let kind = &PRINCIPLED;
         let specular = f0 / 0.08;
         Self {
             kind,
@@ -48,7 +49,7 @@ impl Draft {
     }
 
     pub fn metal(base: Value, roughness: f64) -> Self {
-        let kind = MaterialKind::Principled;
+        let kind = &PRINCIPLED;
         Self {
             kind,
             base,
@@ -186,15 +187,13 @@ impl Reader {
             base_color = Vec3::ONE;
         }
         let material = Material {
-            name,
             kind: draft.kind,
-            base_color,
             roughness: draft.roughness as f32,
             metallic: draft.metallic as f32,
             specular: draft.specular as f32,
             base_texture,
-            roughness_metallic_texture: INVALID,
             normal_texture: draft.normal_texture,
+            ..Material::lambert(name, base_color)
         };
         let key = format!("{material:?} {map:?}");
         if let Some(&known) = self.known_materials.get(&key) {

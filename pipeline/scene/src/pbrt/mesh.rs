@@ -1,9 +1,8 @@
 //! Triangles of one shape on their way from object space to the scene's columns.
 
 use super::fault::{Place, Read, fault};
-use super::reader::Reader;
-use super::texture::Mapping;
 use super::transform::{normal_matrix, swaps_handedness};
+use super::value::Mapping;
 use crate::INVALID;
 use glam::{DMat4, DVec2, DVec3, Vec2, Vec3};
 
@@ -184,45 +183,5 @@ impl Mesh {
     pub fn area(&self, triangle: [u32; 3]) -> f64 {
         let [p0, p1, p2] = corners(&self.positions, triangle).map(|p| p.as_dvec3());
         0.5 * (p1 - p0).cross(p2 - p0).length()
-    }
-}
-
-impl Reader {
-    /// Adds a mesh to the scene's columns, or to the object that is open.
-    pub fn add_mesh(&mut self, mesh: Mesh, place: Place) -> Read<()> {
-        let limit = self.max_triangles;
-        self.triangles_made = self.triangles_made.saturating_add(mesh.triangles.len());
-        self.vertices_made = self.vertices_made.saturating_add(mesh.positions.len());
-        if self.triangles_made > limit || self.vertices_made > limit.saturating_mul(3) {
-            return fault(
-                place,
-                format!(
-                    "more than {limit} triangles (or three times as many vertices), instances \
-                     counted each time; simplify the scene"
-                ),
-            );
-        }
-        if let Some(recording) = &mut self.recording {
-            recording.meshes.push(mesh);
-            return Ok(());
-        }
-        let scene = &mut self.scene;
-        let first = scene.positions.len() as u32;
-        let object = scene.objects.len() as u32;
-        scene.objects.push(mesh.name);
-        scene.positions.extend(mesh.positions);
-        scene.normals.extend(mesh.normals);
-        scene.uvs.extend(mesh.uvs);
-        for (i, triangle) in mesh.triangles.into_iter().enumerate() {
-            scene.triangles.push(triangle.map(|vertex| vertex + first));
-            scene.triangle_material.push(mesh.material);
-            scene.triangle_object.push(object);
-            scene.triangle_light.push(match mesh.lights {
-                Lights::None => INVALID,
-                Lights::One(light) => light,
-                Lights::Each(light) => light + i as u32,
-            });
-        }
-        Ok(())
     }
 }

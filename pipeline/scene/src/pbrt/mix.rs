@@ -5,8 +5,9 @@ use super::material::Draft;
 use super::params::Params;
 use super::reader::Reader;
 use super::state::Surface;
-use super::texture::{Mapping, Value};
-use crate::{INVALID, MaterialKind};
+use super::value::{Mapping, Value};
+use crate::INVALID;
+use rrf_materials::{LAMBERT, PRINCIPLED};
 
 impl Reader {
     /// `mix`: version 3's `amount` weighs the first material, version 4's the second.
@@ -34,7 +35,7 @@ impl Reader {
         let kind = if a.kind == b.kind {
             a.kind
         } else {
-            MaterialKind::Principled
+            &PRINCIPLED
         };
         let base = self.mean(a.base).lerp(self.mean(b.base), t);
         let draft = Draft {
@@ -45,7 +46,7 @@ impl Reader {
             specular: lerp(a.specular, b.specular),
             normal_texture: INVALID,
         };
-        let exact = kind == MaterialKind::Lambert;
+        let exact = kind == &LAMBERT;
         let note = "mix by one material with mixed parameters; pictures by their means";
         Ok((draft, (!exact).then(|| note.to_owned())))
     }

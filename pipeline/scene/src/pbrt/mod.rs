@@ -21,7 +21,6 @@ mod metal;
 mod mix;
 mod param;
 mod params;
-mod picture;
 mod ply;
 mod ply_header;
 mod reader;
@@ -32,6 +31,7 @@ mod state;
 mod texture;
 mod token;
 mod transform;
+mod value;
 mod world;
 
 #[cfg(test)]

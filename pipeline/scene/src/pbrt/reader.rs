@@ -1,13 +1,12 @@
-//! What is known while a scene is read, and the stack of files.
+//! State of the reader while a scene is read, and the stack of files.
 
-use super::camera::Film;
 use super::fault::{Fault, Files, Place, Read, Warnings, fault};
 use super::mesh::{MAX_TRIANGLES, Mesh};
 use super::params::Params;
-use super::picture::Pictures;
-use super::state::{Block, Defaults, Emission, Saved, State, Surface, Version};
-use super::texture::Value;
+use super::state::{Block, Defaults, Emission, Film, Saved, State, Surface, Version};
 use super::token::Tokens;
+use super::value::{Mapping, Value};
+use crate::texture::TextureTable;
 use crate::{Scene, SceneError};
 use glam::DMat4;
 use std::collections::HashMap;
@@ -50,13 +49,14 @@ pub(super) struct Reader {
     pub materials: HashMap<String, Surface>,
     pub float_textures: HashMap<String, Value>,
     pub spectrum_textures: HashMap<String, Value>,
-    pub pictures: Pictures,
+    /// Pictures by path and whether they are inverted.
+    pub pictures: TextureTable<(PathBuf, bool)>,
     pub emissions: Vec<Emission>,
     pub defaults: Vec<Defaults>,
     pub objects: HashMap<String, Vec<Mesh>>,
     pub recording: Option<Recording>,
     /// How each material maps texture coordinates, by material id.
-    pub material_maps: Vec<super::texture::Mapping>,
+    pub material_maps: Vec<Mapping>,
     /// Materials made so far, by all that they consist of.
     pub known_materials: HashMap<String, u32>,
     pub default_surface: Option<u32>,
@@ -88,7 +88,7 @@ impl Reader {
             materials: HashMap::new(),
             float_textures: HashMap::new(),
             spectrum_textures: HashMap::new(),
-            pictures: Pictures::default(),
+            pictures: TextureTable::new(),
             emissions: Vec::new(),
             defaults: Vec::new(),
             objects: HashMap::new(),
@@ -130,7 +130,7 @@ impl Reader {
         self.main_text(path, &bytes)
     }
 
-    /// The same for a file's content.
+    /// [`Reader::main_file`] for a file's content.
     pub fn main_text(&mut self, path: &Path, bytes: &[u8]) -> Read<()> {
         let file = self.files.id(path);
         let end = self.follow(path, file, bytes)?;
@@ -280,7 +280,7 @@ impl Reader {
     /// The scene, once all is read.
     pub fn finish(mut self) -> Scene {
         self.finish_cameras();
-        self.scene.textures = self.pictures.finish();
+        self.scene.textures = self.pictures.into_textures();
         self.scene.warnings = self.warnings.finish(&self.files);
         self.scene
     }

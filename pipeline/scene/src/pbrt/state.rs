@@ -11,7 +11,7 @@ pub(super) enum Version {
     V4,
 }
 
-/// What a shape's surface is.
+/// The surface of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Surface {
     /// pbrt's default material, made when a shape first needs it.
@@ -52,7 +52,7 @@ impl State {
     }
 }
 
-/// What opened a block, and so must close it.
+/// The directive that opened a block, and so must close it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Block {
     Attribute,
@@ -99,4 +99,11 @@ pub(super) struct Emission {
     pub power: Option<f64>,
     /// The scene's area light, once a shape without `power` has needed it.
     pub light: Option<u32>,
+}
+
+/// The picture's size.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Film {
+    pub width: u32,
+    pub height: u32,
 }

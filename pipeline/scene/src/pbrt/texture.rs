@@ -4,41 +4,12 @@ use super::colour::COLOUR;
 use super::fault::{Place, Read, fault};
 use super::param::Type;
 use super::params::Params;
-use super::picture::Encoding;
 use super::reader::Reader;
 use super::state::Version;
 use super::token::Tokens;
-use glam::{DVec2, DVec3};
-
-/// Texture coordinates are `uv * scale + offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Mapping {
-    pub scale: DVec2,
-    pub offset: DVec2,
-}
-
-impl Mapping {
-    pub const IDENTITY: Self = Self {
-        scale: DVec2::ONE,
-        offset: DVec2::ZERO,
-    };
-}
-
-/// What a texture gives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Value {
-    /// The same everywhere.
-    Constant(DVec3),
-    /// A picture times a colour.
-    Picture { id: u32, scale: DVec3, map: Mapping },
-}
-
-impl Value {
-    /// One number for all channels.
-    pub fn grey(value: f64) -> Self {
-        Value::Constant(DVec3::splat(value))
-    }
-}
+use super::value::{Mapping, Value};
+use crate::texture::Encoding;
+use glam::{DVec2, DVec3, Vec3};
 
 impl Reader {
     /// `Texture "name" "type" "class" parameters`.
@@ -143,14 +114,8 @@ impl Reader {
         };
         let encoding = self.encoding(params)?;
         let invert = params.bool("invert")?.unwrap_or(false);
-        let path = self.beside(name, super::colour::place_of(params, "filename"));
-        let id = match self.pictures.read(&path, encoding, invert) {
-            Ok(id) => id,
-            Err(reason) => {
-                let at = super::colour::place_of(params, "filename");
-                return fault(at, format!("{} cannot be read: {reason}", path.display()));
-            }
-        };
+        let at = super::colour::place_of(params, "filename");
+        let id = self.picture(name, at, encoding, invert)?;
         let scale = DVec3::splat(params.float("scale")?.unwrap_or(1.0));
         match params.string("wrap")? {
             None | Some("repeat") => {}
@@ -182,26 +147,26 @@ impl Reader {
     }
 
     /// Version 4's `encoding`, version 3's `gamma`, or the file format's own.
-    fn encoding(&mut self, params: &Params) -> Read<Option<Encoding>> {
+    fn encoding(&mut self, params: &Params) -> Read<Encoding> {
         if let Some(gamma) = params.bool("gamma")? {
             self.sees(Version::V3);
-            return Ok(Some(if gamma {
+            return Ok(if gamma {
                 Encoding::Srgb
             } else {
                 Encoding::Linear
-            }));
+            });
         }
         let Some(name) = params.string("encoding")? else {
-            return Ok(None);
+            return Ok(Encoding::Natural);
         };
         let gamma = name
             .strip_prefix("gamma ")
             .and_then(|g| g.trim().parse::<f64>().ok());
         match (name, gamma) {
-            ("sRGB", _) => Ok(Some(Encoding::Srgb)),
-            ("linear", _) => Ok(Some(Encoding::Linear)),
+            ("sRGB", _) => Ok(Encoding::Srgb),
+            ("linear", _) => Ok(Encoding::Linear),
             (_, Some(gamma)) if gamma > 0.0 && gamma.is_finite() => {
-                Ok(Some(Encoding::Gamma(gamma)))
+                Ok(Encoding::Gamma((gamma as f32).to_bits()))
             }
             _ => fault(params.place, format!("unknown encoding \"{name}\"")),
         }
@@ -209,14 +174,27 @@ impl Reader {
 
     /// A picture that a material uses for something else than colour, linear.
     pub fn linear_picture(&mut self, name: &str, place: Place) -> Read<u32> {
+        self.picture(name, place, Encoding::Linear, false)
+    }
+
+    /// The texture of a picture file; the same file read the same way is read once.
+    fn picture(&mut self, name: &str, place: Place, encoding: Encoding, invert: bool) -> Read<u32> {
         let path = self.beside(name, place);
-        match self.pictures.read(&path, Some(Encoding::Linear), false) {
-            Ok(id) => Ok(id),
-            Err(reason) => fault(
+        if let Some(id) = self.pictures.get((path.clone(), invert), encoding) {
+            return Ok(id);
+        }
+        let map = |texel| if invert { Vec3::ONE - texel } else { texel };
+        let format = image::ImageFormat::from_path(&path).ok();
+        let key = (path.clone(), invert);
+        let added = crate::file::read(&path)
+            .map_err(|error| error.to_string())
+            .and_then(|bytes| self.pictures.insert_as(key, encoding, &bytes, format, map));
+        added.or_else(|reason| {
+            fault(
                 place,
                 format!("{} cannot be read: {reason}", path.display()),
-            ),
-        }
+            )
+        })
     }
 
     /// A colour, number or texture, or a grey default.
@@ -277,7 +255,7 @@ impl Reader {
     pub fn mean(&self, value: Value) -> DVec3 {
         match value {
             Value::Constant(colour) => colour,
-            Value::Picture { id, scale, .. } => self.pictures.mean(id) * scale,
+            Value::Picture { id, scale, .. } => self.pictures.mean_of(id) * scale,
         }
     }
 

@@ -6,7 +6,7 @@
 use super::fault::{Place, Read, fault};
 use std::borrow::Cow;
 
-/// What a token is.
+/// Kind of a token.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind<'a> {
     /// A directive, number or Boolean.

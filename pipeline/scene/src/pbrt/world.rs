@@ -1,11 +1,51 @@
-//! Objects, their instances, and `Attribute` defaults.
+//! Meshes into the scene's columns, objects and their instances, and `Attribute` defaults.
 
 use super::fault::{Place, Read, fault};
+use super::mesh::{Lights, Mesh};
 use super::params::Params;
 use super::reader::{Reader, Recording};
 use super::state::{Block, Defaults, Version};
+use crate::INVALID;
 
 impl Reader {
+    /// Adds a mesh to the scene's columns, or to the object that is open.
+    pub fn add_mesh(&mut self, mesh: Mesh, place: Place) -> Read<()> {
+        let limit = self.max_triangles;
+        self.triangles_made = self.triangles_made.saturating_add(mesh.triangles.len());
+        self.vertices_made = self.vertices_made.saturating_add(mesh.positions.len());
+        if self.triangles_made > limit || self.vertices_made > limit.saturating_mul(3) {
+            return fault(
+                place,
+                format!(
+                    "more than {limit} triangles (or three times as many vertices), instances \
+                     counted each time; simplify the scene"
+                ),
+            );
+        }
+        if let Some(recording) = &mut self.recording {
+            recording.meshes.push(mesh);
+            return Ok(());
+        }
+        let scene = &mut self.scene;
+        let first = scene.positions.len() as u32;
+        let object = scene.objects.len() as u32;
+        scene.objects.push(mesh.name);
+        scene.positions.extend(mesh.positions);
+        scene.normals.extend(mesh.normals);
+        scene.uvs.extend(mesh.uvs);
+        for (i, triangle) in mesh.triangles.into_iter().enumerate() {
+            scene.triangles.push(triangle.map(|vertex| vertex + first));
+            scene.triangle_material.push(mesh.material);
+            scene.triangle_object.push(object);
+            scene.triangle_light.push(match mesh.lights {
+                Lights::None => INVALID,
+                Lights::One(light) => light,
+                Lights::Each(light) => light + i as u32,
+            });
+        }
+        Ok(())
+    }
+
     /// `ObjectBegin`: the shapes that follow are kept for instances.
     pub fn object_begin(&mut self, name: String, place: Place) -> Read<()> {
         if self.recording.is_some() {

@@ -3,7 +3,8 @@
 use crate::glb::{Glb, png};
 use crate::support::{notes, some_triangle, warns};
 use glam::{Vec2, Vec3};
-use rrf_scene::{INVALID, LightUnits, LoadOptions, MaterialKind, Scene, load};
+use rrf_materials::PRINCIPLED;
+use rrf_scene::{INVALID, LightUnits, LoadOptions, Scene, load};
 use serde_json::{Value, json};
 
 /// Upper left red, upper right green, lower left blue, lower right grey.
@@ -65,7 +66,7 @@ fn textures_lie_on_the_surface_as_gltf_says() {
     let material = &scene.materials[0];
     assert_eq!(
         (material.name.as_str(), material.kind),
-        ("painted", MaterialKind::Principled)
+        ("painted", &PRINCIPLED)
     );
     assert_eq!(material.base_color, Vec3::new(0.5, 1.0, 1.0));
     assert_eq!(

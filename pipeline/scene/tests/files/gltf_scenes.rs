@@ -2,7 +2,8 @@
 
 use crate::support::{edge_cross, notes, repository};
 use glam::Vec3;
-use rrf_scene::{INVALID, LightUnits, LoadOptions, MaterialKind, Scene, load};
+use rrf_materials::{LAMBERT, PRINCIPLED};
+use rrf_scene::{INVALID, LightUnits, LoadOptions, Scene, load};
 use std::f64::consts::PI;
 
 fn total_area(scene: &Scene, material: &str) -> f64 {
@@ -31,7 +32,7 @@ fn glossy_cornell_box_has_its_materials() {
         ("TallBox", grey, 0.2, 1.0),
     ] {
         let material = scene.materials.iter().find(|m| m.name == name).unwrap();
-        assert_eq!(material.kind, MaterialKind::Principled);
+        assert_eq!(material.kind, &PRINCIPLED);
         assert_eq!(material.base_color, colour, "{name}");
         assert_eq!(
             (material.roughness, material.metallic),
@@ -116,7 +117,7 @@ fn zdm2_is_read_with_a_default_material() {
     assert!(notes[0].message.contains("0.5"));
     assert!(notes[1].message.starts_with("1134 triangles without area"));
     assert_eq!(scene.materials.len(), 1);
-    assert_eq!(scene.materials[0].kind, MaterialKind::Lambert);
+    assert_eq!(scene.materials[0].kind, &LAMBERT);
     assert_eq!(scene.materials[0].base_color, Vec3::splat(0.5));
     // The node turns the level's z (bounds stated in the file) up into -y ... y into z.
     let lowest = scene.positions.iter().copied().reduce(Vec3::min).unwrap();

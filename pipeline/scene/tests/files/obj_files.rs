@@ -5,7 +5,8 @@ use crate::support::{edge_cross, notes, warns};
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use rrf_scene::{INVALID, LoadOptions, MaterialKind, Scene, load};
+use rrf_materials::{LAMBERT, PRINCIPLED};
+use rrf_scene::{INVALID, LoadOptions, Scene, load};
 
 /// A unit cube of quadrilaterals, faces outwards.
 const CUBE: &str = "\
@@ -109,16 +110,13 @@ fn materials_map_onto_lambert_and_principled() {
         "newmtl a\nKd 0.1 0.2 0.3\nNs 10\nillum 1\nKs 1 1 1\n",
     );
     let material = &scene.materials[0];
-    assert_eq!(
-        (material.name.as_str(), material.kind),
-        ("a", MaterialKind::Lambert)
-    );
+    assert_eq!((material.name.as_str(), material.kind), ("a", &LAMBERT));
     assert_eq!(material.base_color, Vec3::new(0.1, 0.2, 0.3));
     assert!(notes(&scene).is_empty(), "{:?}", scene.warnings);
 
     let scene = read_with(TRIANGLE, "newmtl a\nKd 0.5\nPr 0.25\nPm 1\nNi 1.5\n");
     let material = &scene.materials[0];
-    assert_eq!(material.kind, MaterialKind::Principled);
+    assert_eq!(material.kind, &PRINCIPLED);
     assert_eq!((material.roughness, material.metallic), (0.25, 1.0));
     assert!((material.specular - 0.5).abs() < 1e-6);
 
@@ -168,7 +166,7 @@ fn a_missing_library_is_a_warning_a_broken_one_an_error() {
         scene.warnings
     );
     assert!(warns(&scene, "\"a\" is not defined"));
-    assert_eq!(scene.materials[0].kind, MaterialKind::Lambert);
+    assert_eq!(scene.materials[0].kind, &LAMBERT);
     let places: Vec<_> = notes(&scene).iter().map(|w| w.place.as_str()).collect();
     assert_eq!(places, ["x.obj:1", "x.obj:5", "1 triangles"]);
 

@@ -1,12 +1,12 @@
 //! Which surfaces of a scene are mirrors.
 
 use super::image::Mirror;
-use super::shown::Frames;
-use super::{MOST, Mirrors, NO_MIRROR};
-use crate::bsdf;
+use super::shown::{Frames, MOST};
+use super::{Mirrors, NO_MIRROR};
 use crate::facets::Facet;
 use glam::{Vec2, Vec3};
-use rrf_scene::{INVALID, MaterialKind, Scene};
+use rrf_materials::{Bsdf, INVALID, Lobe};
+use rrf_scene::Scene;
 use std::collections::BTreeMap;
 use std::f32::consts::PI;
 
@@ -55,7 +55,7 @@ impl Mirrors {
 impl Mirror {
     fn over(scene: &Scene, facets: &[Facet], ids: &[usize]) -> Option<Mirror> {
         let facet = &facets[*ids.first()?];
-        let (alpha, reflectance) = strength(scene, *ids.first()?, facet)?;
+        let Lobe { alpha, reflectance } = strength(scene, *ids.first()?, facet)?;
         let [e1, e2] = facet.edges;
         let longest = if e1.length_squared() > e2.length_squared() {
             e1
@@ -91,19 +91,16 @@ fn is_flat(scene: &Scene, id: usize, normal: Vec3, alpha: f32) -> bool {
         .any(|&v| bent(scene.normals[v as usize]))
 }
 
-/// GGX alpha and reflectance at normal incidence of a triangle that may be part of a mirror.
-fn strength(scene: &Scene, id: usize, facet: &Facet) -> Option<(f32, f32)> {
+/// The lobe of a triangle that may be part of a mirror.
+fn strength(scene: &Scene, id: usize, facet: &Facet) -> Option<Lobe> {
     let material = &scene.materials[facet.material as usize];
-    let constant = material.roughness_metallic_texture == INVALID;
-    let alpha = bsdf::alpha(material.roughness);
-    let flat = material.normal_texture == INVALID && is_flat(scene, id, facet.normal, alpha);
-    if material.kind != MaterialKind::Principled || !flat || !constant {
+    let lobe = (material.kind.lobe)(&Bsdf::of(material))?;
+    let even = material.roughness_metallic_texture == INVALID && material.normal_texture == INVALID;
+    if !even || !is_flat(scene, id, facet.normal, lobe.alpha) {
         return None;
     }
-    let metal = material.base_color.max_element() * material.metallic;
-    let reflectance = metal + 0.08 * material.specular * (1.0 - material.metallic);
-    let peak = reflectance / (4.0 * PI * alpha * alpha);
-    (peak >= STRENGTH).then_some((alpha, reflectance))
+    let peak = lobe.reflectance / (4.0 * PI * lobe.alpha * lobe.alpha);
+    (peak >= STRENGTH).then_some(lobe)
 }
 
 /// Material and plane, rounded, the same from both sides.

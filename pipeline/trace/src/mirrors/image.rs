@@ -68,7 +68,7 @@ impl Image {
     /// GGX slopes: density 1 / (π α² (1 + s²/α²)²).
     pub(super) fn sample(&self, alpha: f32, u: [f32; 2]) -> Vec2 {
         let radius = alpha * (u[0] / (1.0 - u[0])).sqrt();
-        let (sine, cosine) = crate::math::sin_cos_turn(u[1]);
+        let (sine, cosine) = rrf_materials::math::sin_cos_turn(u[1]);
         let d = Vec2::new(radius * cosine, radius * sine) / self.slopes;
         self.center + self.along * d.x + self.along.perp() * d.y
     }

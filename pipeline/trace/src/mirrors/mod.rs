@@ -20,9 +20,6 @@ use glam::Vec3;
 use image::Mirror;
 use shown::{Frames, sum, weights};
 
-/// Mirrors at the most: each is asked at every vertex.
-const MOST: usize = 16;
-
 /// In place of a mirror's number: none.
 pub(crate) const NO_MIRROR: u8 = u8::MAX;
 
@@ -90,7 +87,7 @@ impl Mirrors {
         }
     }
 
-    /// The same where the share of this mirror is known. Rays from x go on from the plane to where
+    /// [`Mirrors::density`] where the share of this mirror is known. Rays from x go on from the plane to where
     /// the surface is, a rounding away: a cone's area there is that in the plane over t².
     pub(crate) fn density_in(&self, mirror: u8, share: f32, x: Vec3, l: Vec3, y: Vec3) -> f32 {
         self.mirrors.get(usize::from(mirror)).map_or(0.0, |own| {

@@ -1,10 +1,11 @@
 //! How much of a light each mirror shows, for all mirrors at once.
 
-use super::MOST;
 use super::image::Mirror;
 use glam::Vec3;
 use multiversion::multiversion;
 
+/// Mirrors at the most: each is asked at every vertex.
+pub(super) const MOST: usize = 16;
 /// Of a mirror whose image lies beside it: the lobe's share below which it is left out.
 const LEAST_SHARE: f32 = 0.01;
 /// Height over a plane, relative to the distance to the image, below which a point lies on it.
@@ -13,7 +14,7 @@ const CLEAR: f32 = 1e-4;
 /// One number a mirror.
 pub(super) type Each = [f32; MOST];
 
-/// What tells how much of a light's image each mirror shows, side by side.
+/// Geometry of all mirrors side by side, to find how much of a light's image each shows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Frames {
     normal: [Each; 3],

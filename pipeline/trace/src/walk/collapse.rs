@@ -80,7 +80,7 @@ impl Wide {
     }
 }
 
-/// What a collapse reads.
+/// Inputs of a collapse.
 struct Source<'a> {
     tree: &'a Bvh2,
     plan: &'a Plan,

@@ -3,9 +3,8 @@
 //! Below some sixty triangles a walk down a tree costs more in mispredicted branches than it
 //! saves in tests; this has none. Distances and weights are those of the tree, bit by bit.
 
-use super::Found;
 use super::edges::{Edges, Line, barycentrics};
-use crate::rays::Ray;
+use super::ray::{Found, Ray};
 use glam::{DVec3, Vec3};
 use rrf_scene::INVALID;
 
@@ -100,7 +99,7 @@ impl Flat {
         }
     }
 
-    /// What a ray met, from the triangle's place; once more for that one triangle.
+    /// The end of a ray, from the triangle's place; computed once more for that one triangle.
     #[inline(always)]
     fn found(&self, line: &Line, place: u32, ray: &Ray) -> Found {
         match self.triangles.get(place as usize) {

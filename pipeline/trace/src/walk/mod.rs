@@ -11,11 +11,12 @@ mod collapse;
 mod edges;
 mod flat;
 mod plan;
+mod ray;
 
-use crate::rays::Ray;
 use edges::{Edges, Line, barycentrics, max, min};
 use flat::Flat;
 use glam::Vec3;
+pub use ray::{Found, Ray};
 use rrf_scene::INVALID;
 
 /// Children of a node and triangles of a leaf.
@@ -64,15 +65,6 @@ pub struct Wide {
     depth: usize,
     /// A small scene's faster way.
     flat: Option<Flat>,
-}
-
-/// What a ray met: the scene id ([`INVALID`] for nothing), distance and barycentrics of the
-/// second and third corner.
-#[derive(Clone, Copy, Debug)]
-pub struct Found {
-    pub triangle: u32,
-    pub t: f32,
-    pub barycentrics: [f32; 2],
 }
 
 /// A ray with what the box tests share.

@@ -4,20 +4,20 @@
 //! collects the shadow rays and the next rays of all of them, and traces each collection as one
 //! batch. Rows keep their order, so sums are folded in the order of the paths.
 
-mod glint;
 mod kernels;
+mod light_subpath;
+mod load;
+mod part;
 mod path;
 mod random;
 mod run;
 mod shade;
-mod shine;
+mod specular;
 mod tile;
 
-use crate::rng::Stream;
 use crate::sobol::Table;
-use crate::surface::SurfacePoint;
-use crate::tracer::Tracer;
 use glam::{DVec3, Vec3};
+pub(crate) use part::{Part, Row, Source};
 use rayon::prelude::*;
 use run::{Batch, Wave};
 
@@ -28,44 +28,6 @@ const BATCH: usize = 1024;
 /// relative to the first one (at most 1). Larger: longer paths, less variance each; the
 /// product with the time they take is flat about here.
 pub(crate) const KEEP: f32 = 1.5;
-
-/// What shines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Source {
-    /// Each row's own point light of 1 W/sr.
-    Point {
-        /// Whether paths are also connected to what the light's own rays met.
-        connect: bool,
-    },
-    /// The scene's emitting triangles.
-    Lamps,
-}
-
-/// Which part of the light is wanted of all rows.
-#[derive(Clone, Copy)]
-pub(crate) struct Part<'a> {
-    pub(crate) tracer: &'a Tracer<'a>,
-    pub(crate) source: Source,
-    /// One reflection only, or else two or more.
-    pub(crate) direct: bool,
-    /// How a path's survival follows its throughput ([`KEEP`]).
-    pub(crate) keep: f32,
-    pub(crate) stream: Stream,
-}
-
-/// Where paths start.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
-    pub(crate) point: SurfacePoint,
-    /// Unit direction to the viewer.
-    pub(crate) viewer: Vec3,
-    /// Position of the point light, if that is what shines.
-    pub(crate) light: Vec3,
-    /// Index of the sample in its stream.
-    pub(crate) index: u64,
-    /// Which independent part of the sample this is.
-    pub(crate) replicate: u32,
-}
 
 /// Mean of `each` paths at every row. A row's bits depend on the row, not on the others.
 pub(crate) fn estimate(part: &Part, rows: &[Row], each: usize) -> Vec<Vec3> {
@@ -109,6 +71,8 @@ fn means(wave: &mut Wave, part: &Part, table: &Table, rows: &[Row], each: usize)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Stream;
+    use crate::tracer::Tracer;
     use rrf_scene::{LoadOptions, load};
     use std::path::Path;
 

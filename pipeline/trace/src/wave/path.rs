@@ -27,10 +27,10 @@ pub(crate) struct Path {
     /// Where the path came from.
     pub(crate) from: Vec3,
     /// Density with which a mirror would have led here, with respect to area.
-    pub(crate) glint: f32,
+    pub(crate) mirror_density: f32,
 }
 
-/// What a point light's own ray met.
+/// The point that a light's own ray met.
 #[derive(Clone, Copy)]
 pub(crate) struct LightVertex {
     pub(crate) vertex: Vertex,
@@ -53,4 +53,13 @@ impl LightVertex {
         density: 0.0,
         mirror: NO_MIRROR,
     };
+}
+
+/// A path's vertex and the mirror that it looks at.
+#[derive(Clone, Copy)]
+pub(crate) struct Connection {
+    pub(crate) path: Path,
+    pub(crate) mirror: u8,
+    /// How often this mirror is taken from there.
+    pub(crate) share: f32,
 }

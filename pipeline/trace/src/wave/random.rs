@@ -1,18 +1,18 @@
 //! Random numbers of a tile's paths.
 
-use super::tile::{Lane, TILE};
 use crate::rng::{self, Stream};
 use crate::sobol::{self, DIMENSIONS, Scramble};
 use multiversion::multiversion;
+use rrf_materials::{Lane, TILE};
 
 /// Bounces whose directions come from the Sobol sequence, three dimensions each.
 pub(crate) const STRATIFIED: usize = 2;
 /// First of the three dimensions that place a point light's vertex or the first lamp point.
 pub(crate) const LIGHT: usize = 3 * STRATIFIED;
 /// First of the three dimensions of the first point on a mirror.
-pub(crate) const GLINT: usize = LIGHT + 3;
+pub(crate) const SPECULAR: usize = LIGHT + 3;
 /// Blocks of the choice of a point on a mirror, one a bounce.
-pub(crate) const GLINT_BLOCKS: u32 = 1 << 29;
+pub(crate) const SPECULAR_BLOCKS: u32 = 1 << 29;
 /// Blocks of the choice of a lamp's point, one a bounce.
 pub(crate) const LAMP_BLOCKS: u32 = 1 << 30;
 /// Blocks from here on belong to a replicate, those below to a path's bounces.

@@ -1,17 +1,16 @@
 //! One thread's paths.
 
-use super::glint::Glance;
-use super::kernels::{Departures, LampLanes, Lit, Vertices};
-use super::path::{LightVertex, Path};
+use super::kernels::{Answers, Departures, LampLanes, Lit, Vertices};
+use super::part::{Part, Row, Source};
+use super::path::{Connection, LightVertex, Path};
 use super::random::{self, Draws};
 use super::tile::Contributions;
-use super::{Part, Row, Source};
 use crate::lamps;
 use crate::mirrors::NO_MIRROR;
-use crate::rays::{self, Ray};
+use crate::rays;
 use crate::sobol::{DIMENSIONS, Scramble, Table};
 use crate::tracer::Tracer;
-use crate::walk::{Found, Stack};
+use crate::walk::{Found, Ray, Stack};
 use glam::Vec3;
 use rrf_scene::INVALID;
 
@@ -48,7 +47,7 @@ impl Batch<'_> {
     }
 
     /// Density with which a mirror would have led a path to where its ray ended.
-    fn glint(&self, path: &Path, hit: &Found, bounce: u32) -> f32 {
+    fn mirror_density(&self, path: &Path, hit: &Found, bounce: u32) -> f32 {
         let tracer = self.part.tracer;
         let mirror = tracer.mirrors.of(hit.triangle);
         if mirror == NO_MIRROR || !self.looks_at_mirrors() {
@@ -79,9 +78,9 @@ pub(super) struct Wave {
     pub(super) arriving: Vec<(u32, Vec3)>,
     blocked: Vec<bool>,
     /// Vertices that look at mirrors, their rays, and which of them met one.
-    pub(super) glances: Vec<Glance>,
-    pub(super) glance_rays: Vec<Ray>,
-    pub(super) met: Vec<(Glance, Found)>,
+    pub(super) connections: Vec<Connection>,
+    pub(super) connection_rays: Vec<Ray>,
+    pub(super) met: Vec<(Connection, Found)>,
     /// One a slot, if the source is connected to.
     pub(super) light_vertices: Vec<LightVertex>,
     /// One a row.
@@ -95,6 +94,7 @@ pub(super) struct Wave {
     pub(super) draws: Box<Draws>,
     pub(super) contributions: Box<Contributions>,
     pub(super) departures: Box<Departures>,
+    pub(super) answers: Box<Answers>,
 }
 
 impl Wave {
@@ -107,8 +107,8 @@ impl Wave {
             shadows: Vec::new(),
             arriving: Vec::new(),
             blocked: Vec::new(),
-            glances: Vec::new(),
-            glance_rays: Vec::new(),
+            connections: Vec::new(),
+            connection_rays: Vec::new(),
             met: Vec::new(),
             light_vertices: Vec::new(),
             scrambles: Vec::new(),
@@ -120,6 +120,7 @@ impl Wave {
             draws: Box::new(Draws::ZERO),
             contributions: Box::new(Contributions::ZERO),
             departures: Box::new(Departures::ZERO),
+            answers: Box::new(Answers::ZERO),
         }
     }
 
@@ -127,12 +128,12 @@ impl Wave {
     pub(super) fn run(&mut self, batch: &Batch) -> &[Vec3] {
         self.start(batch);
         if batch.part.source == (Source::Point { connect: true }) {
-            self.shine(batch);
+            self.trace_light_subpaths(batch);
         }
         for bounce in 0.. {
             self.shade(batch, bounce);
             if batch.looks_at_mirrors() {
-                self.glints(batch);
+                self.follow_connections(batch);
             }
             self.gather_light(batch);
             self.travel(batch, bounce);
@@ -165,7 +166,7 @@ impl Wave {
                 first: 1.0,
                 density: 0.0,
                 from: Vec3::ZERO,
-                glint: 0.0,
+                mirror_density: 0.0,
             }));
         }
     }
@@ -204,7 +205,7 @@ impl Wave {
                 triangle: hit.triangle,
                 barycentrics: hit.barycentrics,
                 density,
-                glint: batch.glint(path, hit, bounce),
+                mirror_density: batch.mirror_density(path, hit, bounce),
                 ..*path
             });
         }

@@ -1,14 +1,15 @@
 //! One bounce of all live paths: rows into tiles, kernels, and what they give into rays.
 
-use super::Source;
-use super::kernels::{self, Vertices};
+use super::kernels;
+use super::load::load;
+use super::part::Source;
 use super::path::Path;
-use super::random::{self, Draws};
+use super::random;
 use super::run::{Batch, Wave, looks};
-use super::tile::TILE;
 use crate::mirrors::NO_MIRROR;
-use crate::rays::Ray;
+use crate::walk::Ray;
 use glam::Vec3;
+use rrf_materials::TILE;
 
 impl Wave {
     /// Shades all live paths: fills the shadow rays and the next rays.
@@ -23,7 +24,7 @@ impl Wave {
             load(batch, paths, &mut self.vertices, &mut self.draws);
             self.light(batch, bounce, first, lanes);
             if batch.looks_at_mirrors() {
-                self.glance(batch, bounce, first, lanes);
+                self.propose_connections(batch, bounce, first, lanes);
             }
             self.scatter(batch, bounce, first, lanes);
         }
@@ -31,26 +32,25 @@ impl Wave {
 
     /// Light that arrives at a tile.
     fn light(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
-        let mixed = batch.part.tracer.mixed;
         let counts = bounce >= batch.first_lit();
         match batch.part.source {
             Source::Point { connect } => {
                 if counts {
                     let (at, out) = (&self.vertices, &mut self.contributions);
-                    kernels::next_event(mixed, at, connect, out);
+                    kernels::next_event(at, connect, &mut self.answers, out);
                     self.queue_shadows(first, lanes);
                 }
                 if connect {
                     self.load_light_vertices(batch, bounce, first, lanes);
                     let (at, out) = (&self.vertices, &mut self.contributions);
-                    kernels::connect(mixed, at, &self.lit, out);
+                    kernels::connect(at, &self.lit, &mut self.answers, out);
                     self.queue_shadows(first, lanes);
                 }
             }
             Source::Lamps if counts => {
                 self.load_lamps(batch, bounce, first, lanes);
                 let (at, out) = (&self.vertices, &mut self.contributions);
-                kernels::next_lamp(mixed, at, &self.lamps, out);
+                kernels::next_lamp(at, &self.lamps, &mut self.answers, out);
                 self.queue_shadows(first, lanes);
             }
             Source::Lamps => {}
@@ -60,6 +60,7 @@ impl Wave {
     /// Copies the light vertices of a tile's paths into its columns.
     fn load_light_vertices(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
         let mirrors = &batch.part.tracer.mirrors;
+        self.lit.surfaces.materials.clear();
         for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
             let lit = &self.light_vertices[path.slot as usize];
             self.lit.surfaces.set(i, &lit.vertex);
@@ -137,8 +138,8 @@ impl Wave {
         } else {
             batch.part.keep
         };
-        let (mixed, at) = (batch.part.tracer.mixed, &self.vertices);
-        kernels::scatter(mixed, at, &self.draws, keep, &mut self.departures);
+        let (at, answers) = (&self.vertices, &mut self.answers);
+        kernels::scatter(at, &self.draws, keep, answers, &mut self.departures);
         for (i, before) in self.paths[first..first + lanes].iter().enumerate() {
             let density = self.departures.density[i];
             if density > 0.0 {
@@ -160,29 +161,5 @@ impl Wave {
                 });
             }
         }
-    }
-}
-
-/// Copies paths at their vertices into a tile's columns.
-pub(super) fn load<'a>(
-    batch: &Batch,
-    paths: impl Iterator<Item = &'a Path>,
-    vertices: &mut Vertices,
-    draws: &mut Draws,
-) {
-    let tracer = batch.part.tracer;
-    let each = batch.replicate_paths as u32;
-    for (i, path) in paths.enumerate() {
-        let row = batch.row(path);
-        let vertex = tracer.vertex(path.triangle, path.barycentrics, path.viewer);
-        vertices.surfaces.set(i, &vertex);
-        vertices.viewer.set(i, path.viewer);
-        vertices.throughput.set(i, path.throughput);
-        vertices.first[i] = path.first;
-        vertices.density[i] = path.density;
-        vertices.glint[i] = path.glint;
-        vertices.light.set(i, row.light);
-        let number = row.replicate.wrapping_mul(each).wrapping_add(path.number);
-        draws.name(i, row.index, number);
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::reference::{Plain, Random, mean_of};
 use crate::scenes::{Builder, cornell, lambert, principled};
-use crate::statistics::{assert_z, chi_square_tail};
+use crate::chi_square::chi_square_tail;
+use crate::statistics::assert_z;
 use glam::Vec3;
 use rrf_scene::{INVALID, Scene};
 use rrf_trace::{

@@ -3,11 +3,10 @@
 use crate::scenes::{Builder, lambert, principled};
 use crate::statistics::assert_z;
 use glam::Vec3;
+use rrf_materials::{Bsdf, ShadingFrame};
 use rrf_scene::{INVALID, Material, Scene};
-use rrf_trace::bsdf::Bsdf;
 use rrf_trace::{
-    Estimates, Frame, Queries, Reflections, Sampling, Stream, SurfacePoint, Tracer, indirect,
-    lamp_light,
+    Estimates, Queries, Reflections, Sampling, Stream, SurfacePoint, Tracer, indirect, lamp_light,
 };
 
 const SAMPLING: Sampling = Sampling {
@@ -87,7 +86,7 @@ fn white_furnace() {
 /// solid angle, of the scattering values alone.
 fn albedo(material: &Material, n: Vec3, v: Vec3) -> Vec3 {
     const STEPS: u32 = 512;
-    let (frame, bsdf) = (Frame::new(n), Bsdf::of(material));
+    let (frame, bsdf) = (ShadingFrame::new(n), Bsdf::of(material));
     let mut sum = glam::DVec3::ZERO;
     for i in 0..STEPS {
         for j in 0..STEPS {

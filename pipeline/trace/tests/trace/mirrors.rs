@@ -4,8 +4,8 @@
 use crate::scenes::{Builder, lambert, principled};
 use crate::statistics::assert_z;
 use glam::{DVec2, Vec3};
+use rrf_materials::Bsdf;
 use rrf_scene::{INVALID, Material};
-use rrf_trace::bsdf::Bsdf;
 use rrf_trace::{Estimator, Queries, Sampling, Stream, Tracer, indirect_with};
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.3);

@@ -3,8 +3,8 @@
 //! with the library and nothing else.
 
 use glam::{DVec3, Vec3};
+use rrf_materials::Bsdf;
 use rrf_scene::{INVALID, Scene};
-use rrf_trace::bsdf::Bsdf;
 
 /// Chance of a path to go on after each reflection.
 const SURVIVAL: f64 = 0.7;

@@ -1,7 +1,7 @@
 //! Scenes in code, for tests and measurements.
 
 use glam::{Vec2, Vec3};
-use rrf_scene::{AreaLight, INVALID, Material, MaterialKind, Scene};
+use rrf_scene::{AreaLight, INVALID, Material, Scene};
 
 /// A scene under construction.
 #[derive(Default)]
@@ -10,28 +10,11 @@ pub struct Builder {
 }
 
 pub fn lambert(base_color: Vec3) -> Material {
-    Material {
-        name: "lambert".into(),
-        kind: MaterialKind::Lambert,
-        base_color,
-        roughness: 1.0,
-        metallic: 0.0,
-        specular: 0.5,
-        base_texture: INVALID,
-        roughness_metallic_texture: INVALID,
-        normal_texture: INVALID,
-    }
+    Material::lambert("lambert", base_color)
 }
 
 pub fn principled(base_color: Vec3, roughness: f32, metallic: f32, specular: f32) -> Material {
-    Material {
-        name: "principled".into(),
-        kind: MaterialKind::Principled,
-        roughness,
-        metallic,
-        specular,
-        ..lambert(base_color)
-    }
+    Material::principled("principled", base_color, roughness, metallic, specular)
 }
 
 impl Builder {

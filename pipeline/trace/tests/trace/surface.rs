@@ -1,10 +1,11 @@
 //! Points, frames, materials and textures.
 
+use crate::chi_square::assert_chi_square;
 use crate::scenes::{Builder, cornell, lambert};
-use crate::statistics::assert_chi_square;
 use glam::{Vec2, Vec3};
 use rrf_scene::{INVALID, Material, Texture};
-use rrf_trace::{Frame, Stream, Tracer};
+use rrf_materials::ShadingFrame;
+use rrf_trace::{Stream, Tracer};
 
 #[test]
 fn area_samples_are_uniform() {
@@ -92,7 +93,7 @@ fn frames_are_orthonormal_and_right_handed() {
         .into_iter()
         .flat_map(|a| [a, -a]);
     for z in random.chain(axes) {
-        let frame = Frame::new(z);
+        let frame = ShadingFrame::new(z);
         assert!((frame.x.cross(frame.y) - z).length() < 1e-6, "{z}");
         assert!(frame.x.dot(frame.y).abs() < 1e-6, "{z}");
         let w = Vec3::new(0.48, 0.6, 0.64);

@@ -1,8 +1,9 @@
 //! Bitterli's Cornell box: what stands in the file, read by eye from its text.
 
 use super::read_bytes;
-use crate::{LoadOptions, MaterialKind, Scene, SceneError, load};
+use crate::{LoadOptions, Scene, SceneError, load};
 use glam::{DVec2, DVec3, Vec3};
+use rrf_materials::LAMBERT;
 use std::path::{Path, PathBuf};
 
 fn path() -> PathBuf {
@@ -40,7 +41,7 @@ fn counts_and_materials() {
         let triangles = triangles_of(&scene, name);
         assert_eq!(triangles.len(), count, "{name}");
         let material = &scene.materials[scene.triangle_material[triangles[0]] as usize];
-        assert_eq!(material.kind, MaterialKind::Lambert);
+        assert_eq!(material.kind, &LAMBERT);
         assert_eq!(material.base_color, Vec3::from_array(color), "{name}");
     }
     // One thing is not as in pbrt: the file bounds its paths.

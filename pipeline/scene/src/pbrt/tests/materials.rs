@@ -1,8 +1,9 @@
 //! What materials become, and that each approximation is named.
 
 use super::{TRIANGLE, warnings, world_v3, world_v4};
-use crate::{Material, MaterialKind, Scene};
+use crate::{Material, Scene};
 use glam::Vec3;
+use rrf_materials::LAMBERT;
 
 fn v3(material: &str) -> (Material, Scene) {
     first(world_v3(&format!("Material {material}\n{TRIANGLE}")).unwrap())
@@ -25,7 +26,7 @@ fn exact_and_approximated() {
         "\"matte\" \"rgb Kd\" [.1 .2 .3] \"float sigma\" 0",
     ] {
         let (material, scene) = v3(exact);
-        assert_eq!(material.kind, MaterialKind::Lambert);
+        assert_eq!(material.kind, &LAMBERT);
         assert!(
             !warnings(&scene).contains("approximated"),
             "{}",
@@ -82,10 +83,7 @@ fn defaults_of_pbrt() {
     assert_eq!(v3("\"matte\"").0.base_color, Vec3::splat(0.5));
     assert_eq!(v4("\"diffuse\"").0.base_color, Vec3::splat(0.5));
     let (none, _) = first(world_v4(TRIANGLE).unwrap());
-    assert_eq!(
-        (none.kind, none.base_color),
-        (MaterialKind::Lambert, Vec3::splat(0.5))
-    );
+    assert_eq!((none.kind, none.base_color), (&LAMBERT, Vec3::splat(0.5)));
 }
 
 /// Our alpha is roughness^2. Version 4 remaps by alpha = sqrt(r); version 3 by a polynomial

@@ -1,19 +1,19 @@
-//! What the point lights' own rays meet.
+//! Light subpaths: one ray from each path's point light, and the vertex that it meets.
 
 use super::path::LightVertex;
 use super::random;
 use super::run::{Batch, Wave};
-use super::tile::TILE;
-use crate::math::sin_cos_turn;
-use crate::rays::{self, Ray};
+use crate::rays;
+use crate::walk::Ray;
 use glam::Vec3;
-use rrf_scene::INVALID;
+use rrf_materials::math::sin_cos_turn;
+use rrf_materials::{INVALID, TILE};
 use std::f32::consts::PI;
 
 impl Wave {
     /// Sends one ray from each path's light, uniform over the sphere (density 1 / (4 pi) with
     /// respect to solid angle), and keeps what it meets.
-    pub(super) fn shine(&mut self, batch: &Batch) {
+    pub(super) fn trace_light_subpaths(&mut self, batch: &Batch) {
         self.rays.clear();
         for first in (0..self.paths.len()).step_by(TILE) {
             let lanes = TILE.min(self.paths.len() - first);

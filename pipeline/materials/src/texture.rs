@@ -1,11 +1,18 @@
-//! Texture lookup.
+//! Pictures that multiply parameters, and their lookup.
 
-mod decode;
+use glam::{DVec3, Vec2, Vec3};
 
-pub(crate) use decode::{Encoding, TextureTable};
-
-use crate::Texture;
-use glam::{Vec2, Vec3};
+/// A decoded picture, row-major from the top, three linear f32 channels a texel.
+/// Looked up with wrap-around repetition and bilinear interpolation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// `width * height` linear RGB texels.
+    pub texels: Vec<Vec3>,
+}
 
 impl Texture {
     /// Bilinear lookup with wrap-around repetition, linear RGB.
@@ -28,12 +35,9 @@ impl Texture {
     }
 
     /// Mean over all texels, linear RGB; black for an empty texture.
-    pub fn mean(&self) -> Vec3 {
-        let sum = self
-            .texels
-            .iter()
-            .fold(glam::DVec3::ZERO, |sum, texel| sum + texel.as_dvec3());
-        (sum / self.texels.len().max(1) as f64).as_vec3()
+    pub fn mean(&self) -> DVec3 {
+        let sum: DVec3 = self.texels.iter().map(|texel| texel.as_dvec3()).sum();
+        sum / self.texels.len().max(1) as f64
     }
 }
 
@@ -143,7 +147,7 @@ mod tests {
             texels: Vec::new(),
         };
         assert_eq!(empty.sample(Vec2::splat(0.3)), Vec3::ZERO);
-        assert_eq!(empty.mean(), Vec3::ZERO);
+        assert_eq!(empty.mean(), DVec3::ZERO);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Pictures to linear texels.
 
 use crate::Texture;
-use glam::Vec3;
-use image::{DynamicImage, ImageReader};
+use glam::{DVec3, Vec3};
+use image::{DynamicImage, ImageFormat, ImageReader};
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::io::Cursor;
@@ -11,17 +11,24 @@ use std::io::Cursor;
 /// claim far more than their own size, so the claim is checked before it is granted.
 const MAX_TEXELS: u64 = 1 << 27;
 
+/// Most bytes that decoding one picture may take at once.
+const MAX_BYTES: u64 = 1 << 30;
+
 /// Most texels that a byte of a picture file can hold: deflate's greatest ratio, 1032, of
 /// texels of one bit. JPEG stays below.
 const MAX_TEXELS_A_BYTE: u64 = 8 * 1032;
 
-/// What the numbers in a picture file mean.
+/// Meaning of the numbers in a picture file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Encoding {
+    /// sRGB for integers, linear for floating-point numbers.
+    Natural,
     /// Colours under the sRGB transfer curve (IEC 61966-2-1), decoded to linear.
     Srgb,
     /// Numbers as they are, scaled to [0, 1].
     Linear,
+    /// Powers of linear numbers: the exponent's f32 bits.
+    Gamma(u32),
     /// Tangent-space normals, their x and y scaled by the number (its f32 bits).
     Normal(u32),
 }
@@ -55,17 +62,61 @@ impl<K: Hash + Eq> TextureTable<K> {
         encoding: Encoding,
         bytes: &[u8],
     ) -> Result<u32, String> {
-        let texture = decode(bytes, encoding, MAX_TEXELS - self.texels)?;
-        self.texels += texture.texels.len() as u64;
-        let id = self.textures.len() as u32;
-        self.textures.push(texture);
+        self.insert_as(key, encoding, bytes, None, |texel| texel)
+    }
+
+    /// [`TextureTable::insert`] where the file's name tells its format if its bytes do not, with
+    /// every texel mapped.
+    pub(crate) fn insert_as(
+        &mut self,
+        key: K,
+        encoding: Encoding,
+        bytes: &[u8],
+        format: Option<ImageFormat>,
+        map: impl Fn(Vec3) -> Vec3,
+    ) -> Result<u32, String> {
+        let mut texture = decode(bytes, encoding, format, MAX_TEXELS - self.texels)?;
+        texture
+            .texels
+            .iter_mut()
+            .for_each(|texel| *texel = map(*texel));
+        let id = self.push(texture)?;
         self.ids.insert((key, encoding), id);
         Ok(id)
     }
 
+    /// A copy of a texture times a colour.
+    pub(crate) fn scaled(&mut self, id: u32, scale: Vec3) -> Result<u32, String> {
+        let Some(mut texture) = self.textures.get(id as usize).cloned() else {
+            return Ok(id);
+        };
+        texture.texels.iter_mut().for_each(|texel| *texel *= scale);
+        self.push(texture)
+    }
+
+    fn push(&mut self, texture: Texture) -> Result<u32, String> {
+        self.texels += texture.texels.len() as u64;
+        if self.texels > MAX_TEXELS {
+            return Err(format!(
+                "all pictures together have more than {MAX_TEXELS} texels"
+            ));
+        }
+        self.textures.push(texture);
+        Ok(self.textures.len() as u32 - 1)
+    }
+
+    /// Mean of a texture, linear RGB.
+    pub(crate) fn mean_of(&self, id: u32) -> DVec3 {
+        self.textures
+            .get(id as usize)
+            .map_or(DVec3::ZERO, Texture::mean)
+    }
+
     /// The mean over a picture that no surface looks up, linear RGB; the error is a message.
     pub(crate) fn mean(&self, encoding: Encoding, bytes: &[u8]) -> Result<Vec3, String> {
-        Ok(decode(bytes, encoding, MAX_TEXELS - self.texels)?.mean())
+        Ok(decode(bytes, encoding, None, MAX_TEXELS - self.texels)?
+            .mean()
+            .as_vec3())
     }
 
     /// The textures, ids as positions.
@@ -74,9 +125,19 @@ impl<K: Hash + Eq> TextureTable<K> {
     }
 }
 
-fn decode(bytes: &[u8], encoding: Encoding, max_texels: u64) -> Result<Texture, String> {
+fn decode(
+    bytes: &[u8],
+    encoding: Encoding,
+    format: Option<ImageFormat>,
+    max_texels: u64,
+) -> Result<Texture, String> {
     let open = || {
-        ImageReader::new(Cursor::new(bytes))
+        let mut reader = ImageReader::new(Cursor::new(bytes));
+        format.inspect(|&format| reader.set_format(format));
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some(MAX_BYTES);
+        reader.limits(limits);
+        reader
             .with_guessed_format()
             .map_err(|error| error.to_string())
     };
@@ -109,22 +170,31 @@ fn decode(bytes: &[u8], encoding: Encoding, max_texels: u64) -> Result<Texture, 
 
 /// Grey is repeated over the channels, alpha is dropped.
 fn linear_texels(image: &DynamicImage, encoding: Encoding) -> Vec<Vec3> {
-    let curve = |levels: u32| -> Vec<f32> {
-        let level = |i| i as f32 / (levels - 1) as f32;
-        match encoding {
-            Encoding::Srgb => (0..levels).map(|i| srgb_to_linear(level(i))).collect(),
-            Encoding::Linear | Encoding::Normal(_) => (0..levels).map(level).collect(),
-        }
+    let linear = |value: f32, floats: bool| match encoding {
+        Encoding::Natural if floats => value,
+        Encoding::Srgb | Encoding::Natural => srgb_to_linear(value),
+        Encoding::Linear | Encoding::Normal(_) => value,
+        Encoding::Gamma(exponent) => value.powf(f32::from_bits(exponent)),
     };
-    let is_8_bit = image.color().bytes_per_pixel() == image.color().channel_count();
-    if is_8_bit {
-        let curve = curve(1 << 8);
-        let texel = |pixel: &image::Rgb<u8>| pixel.0.map(|c| curve[usize::from(c)]).into();
-        image.to_rgb8().pixels().map(texel).collect()
-    } else {
-        let curve = curve(1 << 16);
-        let texel = |pixel: &image::Rgb<u16>| pixel.0.map(|c| curve[usize::from(c)]).into();
-        image.to_rgb16().pixels().map(texel).collect()
+    let curve = |levels: u32| -> Vec<f32> {
+        let level = |i| linear(i as f32 / (levels - 1) as f32, false);
+        (0..levels).map(level).collect()
+    };
+    match image.color().bytes_per_pixel() / image.color().channel_count() {
+        1 => {
+            let curve = curve(1 << 8);
+            let texel = |pixel: &image::Rgb<u8>| pixel.0.map(|c| curve[usize::from(c)]).into();
+            image.to_rgb8().pixels().map(texel).collect()
+        }
+        2 => {
+            let curve = curve(1 << 16);
+            let texel = |pixel: &image::Rgb<u16>| pixel.0.map(|c| curve[usize::from(c)]).into();
+            image.to_rgb16().pixels().map(texel).collect()
+        }
+        _ => {
+            let texel = |pixel: &image::Rgb<f32>| pixel.0.map(|c| linear(c, true)).into();
+            image.to_rgb32f().pixels().map(texel).collect()
+        }
     }
 }
 
@@ -159,7 +229,7 @@ mod tests {
     }
 
     fn first_texel(bytes: &[u8], encoding: Encoding) -> Vec3 {
-        decode(bytes, encoding, MAX_TEXELS).unwrap().texels[0]
+        decode(bytes, encoding, None, MAX_TEXELS).unwrap().texels[0]
     }
 
     #[test]
@@ -194,7 +264,7 @@ mod tests {
         DynamicImage::from(image::RgbImage::from_pixel(16, 8, Rgb([200, 100, 50])))
             .write_to(&mut bytes, ImageFormat::Jpeg)
             .unwrap();
-        let texture = decode(bytes.get_ref(), Encoding::Linear, MAX_TEXELS).unwrap();
+        let texture = decode(bytes.get_ref(), Encoding::Linear, None, MAX_TEXELS).unwrap();
         assert_eq!((texture.width, texture.height), (16, 8));
         // A constant block keeps its colour up to rounding in YCbCr.
         let want = Vec3::new(200.0, 100.0, 50.0) / 255.0;
@@ -215,9 +285,9 @@ mod tests {
     #[test]
     fn pictures_beyond_the_limit_are_refused_before_decoding() {
         let bytes = png(image::GrayImage::new(64, 64));
-        let error = decode(&bytes, Encoding::Srgb, 64 * 64 - 1).unwrap_err();
+        let error = decode(&bytes, Encoding::Srgb, None, 64 * 64 - 1).unwrap_err();
         assert!(error.contains("64 x 64"), "{error}");
-        assert!(decode(&bytes, Encoding::Srgb, 64 * 64).is_ok());
+        assert!(decode(&bytes, Encoding::Srgb, None, 64 * 64).is_ok());
     }
 
     #[test]
@@ -225,10 +295,10 @@ mod tests {
         let bytes = png(image::RgbImage::from_fn(9, 7, |x, y| {
             Rgb([x as u8 * 20, y as u8 * 30, 77])
         }));
-        assert!(decode(b"not a picture", Encoding::Srgb, MAX_TEXELS).is_err());
+        assert!(decode(b"not a picture", Encoding::Srgb, None, MAX_TEXELS).is_err());
         for cut in 0..bytes.len() - 12 {
             assert!(
-                decode(&bytes[..cut], Encoding::Srgb, MAX_TEXELS).is_err(),
+                decode(&bytes[..cut], Encoding::Srgb, None, MAX_TEXELS).is_err(),
                 "{cut}"
             );
         }

@@ -1,21 +1,20 @@
-//! What can be mended in a scene, with warnings.
+//! Makes a scene sound where that is possible, with warnings.
 
-use crate::validate::warn;
 use crate::{INVALID, Material, Scene, SceneError, Warning};
 use glam::Vec3;
 
 /// Brings normals to unit length, material parameters and texels into [0, 1], and removes
 /// triangles without area. Material parameters and texels that are no numbers are errors.
-pub(crate) fn mend(scene: &mut Scene) -> Result<(), SceneError> {
-    mend_normals(scene);
-    mend_materials(scene)?;
-    mend_textures(scene)?;
+pub(crate) fn sanitize(scene: &mut Scene) -> Result<(), SceneError> {
+    unit_normals(scene);
+    clamp_materials(scene)?;
+    clamp_textures(scene)?;
     remove_triangles_without_area(scene);
     Ok(())
 }
 
 /// Brings normals to unit length. A normal that is zero already means none.
-fn mend_normals(scene: &mut Scene) {
+fn unit_normals(scene: &mut Scene) {
     let mut without_direction = 0_usize;
     for normal in &mut scene.normals {
         if *normal == Vec3::ZERO {
@@ -26,16 +25,13 @@ fn mend_normals(scene: &mut Scene) {
         *normal = unit;
     }
     if without_direction > 0 {
-        warn(
-            scene,
-            format!(
-                "{without_direction} vertex normals have no direction: the triangles' own serve instead"
-            ),
-        );
+        scene.warn(format!(
+            "{without_direction} vertex normals have no direction: the triangles' own serve instead"
+        ));
     }
 }
 
-fn mend_materials(scene: &mut Scene) -> Result<(), SceneError> {
+fn clamp_materials(scene: &mut Scene) -> Result<(), SceneError> {
     let textures = scene.textures.len();
     let source = scene.source.clone();
     let mut warnings = Vec::new();
@@ -49,18 +45,12 @@ fn mend_materials(scene: &mut Scene) -> Result<(), SceneError> {
             })
         };
         let numbers = [material.roughness, material.metallic, material.specular];
-        if !material.base_color.is_finite() || !numbers.iter().all(|value| value.is_finite()) {
+        let mut colours =
+            std::iter::once(material.base_color).chain(material.own.iter().map(|p| p.value));
+        if !colours.all(Vec3::is_finite) || !numbers.iter().all(|value| value.is_finite()) {
             return refuse("a parameter is not finite");
         }
-        let ids = [
-            material.base_texture,
-            material.roughness_metallic_texture,
-            material.normal_texture,
-        ];
-        if ids
-            .iter()
-            .any(|&id| id != INVALID && id as usize >= textures)
-        {
+        if (material.texture_ids()).any(|id| id != INVALID && id as usize >= textures) {
             return refuse("a texture id is out of range");
         }
         if let Some(message) = clamp_material(material) {
@@ -94,7 +84,7 @@ fn clamp_material(material: &mut Material) -> Option<String> {
     (!changed.is_empty()).then(|| format!("clamped to [0, 1]: {}", changed.join(", ")))
 }
 
-fn mend_textures(scene: &mut Scene) -> Result<(), SceneError> {
+fn clamp_textures(scene: &mut Scene) -> Result<(), SceneError> {
     let source = scene.source.clone();
     let mut warnings = Vec::new();
     for (i, texture) in scene.textures.iter_mut().enumerate() {
@@ -170,8 +160,5 @@ fn remove_triangles_without_area(scene: &mut Scene) {
     retain(&mut scene.triangle_material, &keep);
     retain(&mut scene.triangle_light, &keep);
     retain(&mut scene.triangle_object, &keep);
-    warn(
-        scene,
-        format!("{removed} triangles without area are removed"),
-    );
+    scene.warn(format!("{removed} triangles without area are removed"));
 }

@@ -6,7 +6,7 @@ use std::f32::consts::TAU;
 
 /// `a` where `condition` holds, else `b`.
 #[inline(always)]
-pub(crate) fn pick(condition: bool, a: Vec3, b: Vec3) -> Vec3 {
+pub fn pick(condition: bool, a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(
         if condition { a.x } else { b.x },
         if condition { a.y } else { b.y },
@@ -19,7 +19,7 @@ pub(crate) fn pick(condition: bool, a: Vec3, b: Vec3) -> Vec3 {
 /// Reduced to an eighth of a turn about the nearest quarter; Taylor polynomials to degree 9
 /// and 8 there (remainders below 2e-9 and 3e-8).
 #[inline(always)]
-pub(crate) fn sin_cos_turn(turn: f32) -> (f32, f32) {
+pub fn sin_cos_turn(turn: f32) -> (f32, f32) {
     let quarter = (4.0 * turn + 0.5) as i32;
     let x = (turn - 0.25 * quarter as f32) * TAU;
     let x2 = x * x;

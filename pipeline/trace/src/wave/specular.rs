@@ -1,34 +1,31 @@
 //! Light that flat glossy surfaces show the paths' vertices (see [`crate::mirrors`]).
 
 use super::kernels;
-use super::path::Path;
+use super::load::load;
+use super::path::Connection;
 use super::random;
 use super::run::{Batch, Wave, looks};
-use super::shade;
-use super::tile::TILE;
-use crate::math::pick;
-use crate::rays::{self, Ray};
+use crate::rays;
+use crate::walk::Ray;
 use glam::Vec3;
-use rrf_scene::INVALID;
+use rrf_materials::math::pick;
+use rrf_materials::{INVALID, TILE};
 use std::f32::consts::PI;
-
-/// A path's vertex and the mirror that it looks at.
-#[derive(Clone, Copy)]
-pub(super) struct Glance {
-    path: Path,
-    mirror: u8,
-    /// How often this mirror is taken from there.
-    share: f32,
-}
 
 impl Wave {
     /// Sends a ray to a point of a mirror from every vertex of a tile that sees the light in one.
-    pub(super) fn glance(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
+    pub(super) fn propose_connections(
+        &mut self,
+        batch: &Batch,
+        bounce: u32,
+        first: usize,
+        lanes: usize,
+    ) {
         let mirrors = &batch.part.tracer.mirrors;
-        let block = random::GLINT_BLOCKS + bounce;
+        let block = random::SPECULAR_BLOCKS + bounce;
         random::independent(&mut self.draws, batch.part.stream, block);
         if bounce == 0 {
-            self.stratify(batch, random::GLINT, first, lanes);
+            self.stratify(batch, random::SPECULAR, first, lanes);
         }
         let looking = looks(bounce);
         for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
@@ -45,12 +42,12 @@ impl Wave {
             if self.vertices.surfaces.geometric.get(i).dot(direction) <= 0.0 {
                 continue;
             }
-            self.glances.push(Glance {
+            self.connections.push(Connection {
                 path: *path,
                 mirror: to.mirror,
                 share: to.share * looking,
             });
-            self.glance_rays.push(Ray {
+            self.connection_rays.push(Ray {
                 origin: self.vertices.surfaces.origin(i),
                 direction: direction.normalize(),
                 t_max: f32::INFINITY,
@@ -59,30 +56,31 @@ impl Wave {
     }
 
     /// Follows those rays; where they meet the mirror, queues what comes from the light that way.
-    pub(super) fn glints(&mut self, batch: &Batch) {
+    pub(super) fn follow_connections(&mut self, batch: &Batch) {
         let tracer = batch.part.tracer;
         rays::closest(
             &tracer.wide,
-            &self.glance_rays,
+            &self.connection_rays,
             &mut self.stack,
             &mut self.hits,
         );
         let mut met = std::mem::take(&mut self.met);
         met.clear();
-        for (glance, hit) in self.glances.iter().zip(&self.hits) {
-            if hit.triangle != INVALID && tracer.mirrors.of(hit.triangle) == glance.mirror {
-                met.push((*glance, *hit));
+        for (connection, hit) in self.connections.iter().zip(&self.hits) {
+            if hit.triangle != INVALID && tracer.mirrors.of(hit.triangle) == connection.mirror {
+                met.push((*connection, *hit));
             }
         }
         for tile in met.chunks(TILE) {
-            let paths = tile.iter().map(|(glance, _)| &glance.path);
-            shade::load(batch, paths, &mut self.vertices, &mut self.draws);
-            for (i, (glance, hit)) in tile.iter().enumerate() {
-                self.load_glint(batch, i, glance, hit.triangle, hit.barycentrics);
+            let paths = tile.iter().map(|(connection, _)| &connection.path);
+            load(batch, paths, &mut self.vertices, &mut self.draws);
+            self.lit.surfaces.materials.clear();
+            for (i, (connection, hit)) in tile.iter().enumerate() {
+                self.load_specular(batch, i, connection, hit.triangle, hit.barycentrics);
             }
             let (at, out) = (&self.vertices, &mut self.contributions);
-            kernels::connect(tracer.mixed, at, &self.lit, out);
-            for (i, (Glance { path, .. }, _)) in tile.iter().enumerate() {
+            kernels::connect(at, &self.lit, &mut self.answers, out);
+            for (i, (Connection { path, .. }, _)) in tile.iter().enumerate() {
                 let value = self.contributions.value.get(i);
                 if value != Vec3::ZERO {
                     let origin = self.lit.surfaces.origin(i);
@@ -96,21 +94,21 @@ impl Wave {
             }
         }
         self.met = met;
-        self.glances.clear();
-        self.glance_rays.clear();
+        self.connections.clear();
+        self.connection_rays.clear();
     }
 
     /// Lane `i` of the lit points: a point of a mirror, seen from the light.
-    fn load_glint(
+    fn load_specular(
         &mut self,
         batch: &Batch,
         i: usize,
-        glance: &Glance,
+        connection: &Connection,
         triangle: u32,
         at: [f32; 2],
     ) {
         let tracer = batch.part.tracer;
-        let light = batch.row(&glance.path).light;
+        let light = batch.row(&connection.path).light;
         let position = tracer.facets[triangle as usize].position(at);
         let to = light - position;
         let distance2 = to.length_squared();
@@ -123,7 +121,7 @@ impl Wave {
         };
         let by_light = vertex.geometric.dot(toward) * falloff / (4.0 * PI);
         let x = self.vertices.surfaces.position.get(i);
-        let Glance { mirror, share, .. } = *glance;
+        let Connection { mirror, share, .. } = *connection;
         let by_mirror = (tracer.mirrors).density_in(mirror, share, x, light, vertex.position);
         self.lit.surfaces.set(i, &vertex);
         self.lit.toward.set(i, toward);

@@ -1,29 +1,25 @@
 //! Scattering: given values, samplers against their densities, energy, reciprocity.
 
-use crate::statistics::assert_chi_square;
+#![allow(missing_docs, clippy::unwrap_used)]
+
+#[path = "../../trace/tests/trace/chi_square.rs"]
+mod chi_square;
+
+use chi_square::assert_chi_square;
 use glam::{DVec3, Vec3};
-use rrf_scene::MaterialKind;
-use rrf_trace::Stream;
-use rrf_trace::bsdf::{
-    Bsdf, cosine_hemisphere, cosine_hemisphere_pdf, visible_normal, visible_normal_pdf,
+use rrf_materials::{
+    Bsdf, Material, cosine_hemisphere, cosine_hemisphere_pdf, visible_normal, visible_normal_pdf,
 };
+use rrf_trace::Stream;
 use std::f64::consts::TAU;
 
 fn principled(base_color: Vec3, roughness: f32, metallic: f32, specular: f32) -> Bsdf {
-    Bsdf {
-        kind: MaterialKind::Principled,
-        base_color,
-        roughness,
-        metallic,
-        specular,
-    }
+    let material = Material::principled("", base_color, roughness, metallic, specular);
+    Bsdf::of(&material)
 }
 
 fn lambert(base_color: Vec3) -> Bsdf {
-    Bsdf {
-        kind: MaterialKind::Lambert,
-        ..principled(base_color, 1.0, 0.0, 0.5)
-    }
+    Bsdf::of(&Material::lambert("", base_color))
 }
 
 fn direction(cosine: f32, turn: f32) -> Vec3 {
@@ -34,7 +30,7 @@ fn direction(cosine: f32, turn: f32) -> Vec3 {
 
 #[test]
 fn values_are_those_of_the_reference() {
-    let bytes = include_bytes!("../data/bsdf_principled.f32");
+    let bytes = include_bytes!("data/bsdf_principled.f32");
     let numbers: Vec<f32> = bytes
         .chunks_exact(4)
         .map(|b| f32::from_le_bytes(b.try_into().unwrap()))

@@ -1,16 +1,16 @@
-//! What a place sees: whether light can be learned there.
+//! Classification of points by what they see: whether light can be learned there.
 
 use crate::solids::{Shell, shells};
 use glam::Vec3;
 use rrf_scene::{INVALID, Scene};
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
-/// Directions that a place looks in.
+/// Directions that a point looks in.
 const DIRECTIONS: u32 = 32;
 
-/// What a place sees.
+/// Class of a point by what it sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outlook {
+pub enum PointClass {
     /// Surfaces from their outer side.
     Open,
     /// A solid from within.
@@ -19,29 +19,29 @@ pub enum Outlook {
     Nothing,
 }
 
-/// Answers what a place sees, always by the same directions.
-pub struct Lookout<'a> {
+/// Answers what points see, always by the same directions.
+pub struct VisibilityQueries<'a> {
     tracer: &'a Tracer<'a>,
     shells: Vec<Shell>,
 }
 
-impl<'a> Lookout<'a> {
+impl<'a> VisibilityQueries<'a> {
     /// Finds the scene's solids.
-    pub fn new(scene: &Scene, tracer: &'a Tracer<'a>) -> Lookout<'a> {
-        Lookout {
+    pub fn new(scene: &Scene, tracer: &'a Tracer<'a>) -> VisibilityQueries<'a> {
+        VisibilityQueries {
             tracer,
             shells: shells(scene),
         }
     }
 
-    /// Whether a free place (a light) lies inside a solid.
+    /// Whether a free position (a light's) lies inside a solid.
     pub fn inside_solid(&self, place: Vec3) -> bool {
-        self.inside_solid_with(place, &mut Looks::default())
+        self.inside_solid_with(place, &mut QueryScratch::default())
     }
 
-    /// [`Self::inside_solid`] with working memory for many places.
-    pub fn inside_solid_with(&self, place: Vec3, looks: &mut Looks) -> bool {
-        self.outlook(looks, |i| (place, sphere(i))) == Outlook::InsideSolid
+    /// [`Self::inside_solid`] with working memory for many positions.
+    pub fn inside_solid_with(&self, place: Vec3, scratch: &mut QueryScratch) -> bool {
+        self.classify(scratch, |i| (place, sphere(i))) == PointClass::InsideSolid
     }
 
     /// Whether the way from a surface point to one of some places is free.
@@ -49,7 +49,7 @@ impl<'a> Lookout<'a> {
         &self,
         point: &SurfacePoint,
         places: impl Iterator<Item = Vec3>,
-        Looks { rays, blocked, .. }: &mut Looks,
+        QueryScratch { rays, blocked, .. }: &mut QueryScratch,
     ) -> bool {
         rays.clear();
         for place in places {
@@ -62,9 +62,9 @@ impl<'a> Lookout<'a> {
         blocked.iter().any(|blocked| !blocked)
     }
 
-    /// What a surface point sees on the side of the unit normal `side`.
-    pub fn from_surface(&self, point: &SurfacePoint, side: Vec3) -> Outlook {
-        self.from_surface_with(point, side, &mut Looks::default())
+    /// Classifies a surface point on the side of the unit normal `side`.
+    pub fn from_surface(&self, point: &SurfacePoint, side: Vec3) -> PointClass {
+        self.from_surface_with(point, side, &mut QueryScratch::default())
     }
 
     /// [`Self::from_surface`] with working memory for many points.
@@ -72,9 +72,9 @@ impl<'a> Lookout<'a> {
         &self,
         point: &SurfacePoint,
         side: Vec3,
-        looks: &mut Looks,
-    ) -> Outlook {
-        self.outlook(looks, |i| {
+        scratch: &mut QueryScratch,
+    ) -> PointClass {
+        self.classify(scratch, |i| {
             let w = sphere(i);
             let w = if w.dot(side) < 0.0 { -w } else { w };
             (self.tracer.lift(point.triangle, point.position, w), w)
@@ -82,19 +82,23 @@ impl<'a> Lookout<'a> {
     }
 
     /// By rays `ray(i)`, origin and direction: by the even ones alone where the rest cannot change it.
-    fn outlook(&self, looks: &mut Looks, ray: impl Fn(u32) -> (Vec3, Vec3)) -> Outlook {
+    fn classify(
+        &self,
+        scratch: &mut QueryScratch,
+        ray: impl Fn(u32) -> (Vec3, Vec3),
+    ) -> PointClass {
         let mut votes = Votes::default();
-        self.count(looks, (0..DIRECTIONS).step_by(2).map(&ray), &mut votes);
+        self.count(scratch, (0..DIRECTIONS).step_by(2).map(&ray), &mut votes);
         if votes.inside == 0 && votes.behind_open < votes.hits {
-            return Outlook::Open;
+            return PointClass::Open;
         }
-        self.count(looks, (1..DIRECTIONS).step_by(2).map(&ray), &mut votes);
-        votes.outlook()
+        self.count(scratch, (1..DIRECTIONS).step_by(2).map(&ray), &mut votes);
+        votes.classify()
     }
 
     fn count(
         &self,
-        Looks { rays, hits, .. }: &mut Looks,
+        QueryScratch { rays, hits, .. }: &mut QueryScratch,
         of: impl Iterator<Item = (Vec3, Vec3)>,
         votes: &mut Votes,
     ) {
@@ -125,7 +129,7 @@ impl<'a> Lookout<'a> {
 
 /// Working memory of one thread that asks what many places see.
 #[derive(Default)]
-pub struct Looks {
+pub struct QueryScratch {
     rays: Rays,
     hits: Hits,
     blocked: Vec<bool>,
@@ -142,16 +146,16 @@ struct Votes {
 }
 
 impl Votes {
-    fn outlook(self) -> Outlook {
+    fn classify(self) -> PointClass {
         if self.hits == 0 {
-            Outlook::Nothing
+            PointClass::Nothing
         } else if 2 * self.inside > self.asked {
-            Outlook::InsideSolid
+            PointClass::InsideSolid
         } else if self.inside + self.behind_open == self.hits && 10 * self.hits >= 9 * self.asked {
             // closed in by the backs of surfaces: inside the walls of a level
-            Outlook::InsideSolid
+            PointClass::InsideSolid
         } else {
-            Outlook::Open
+            PointClass::Open
         }
     }
 }
@@ -196,7 +200,7 @@ mod tests {
     fn lights_inside_the_boxes_and_no_others() {
         let scene = cornell();
         let tracer = Tracer::new(&scene).unwrap();
-        let lookout = Lookout::new(&scene, &tracer);
+        let visibility = VisibilityQueries::new(&scene, &tracer);
         let inside = |p: Vec3| {
             BOXES.iter().any(|&(corner, a, b, height)| {
                 let (x, z) = (p.x - corner[0], p.z - corner[1]);
@@ -213,7 +217,7 @@ mod tests {
                 2.0 * at(i / 13 % 13),
                 2.0 * at(i / 169) - 1.0,
             );
-            assert_eq!(lookout.inside_solid(p), inside(p), "{p}");
+            assert_eq!(visibility.inside_solid(p), inside(p), "{p}");
             solid += i32::from(inside(p));
         }
         assert!(solid > 50, "the grid meets the boxes");
@@ -223,28 +227,28 @@ mod tests {
     fn sealed_points_blind_points_and_the_rest() {
         let scene = cornell();
         let tracer = Tracer::new(&scene).unwrap();
-        let lookout = Lookout::new(&scene, &tracer);
+        let visibility = VisibilityQueries::new(&scene, &tracer);
         let from = |p: [f32; 3], side: Vec3| {
-            lookout.from_surface(&tracer.locate(p.into(), side).unwrap(), side)
+            visibility.from_surface(&tracer.locate(p.into(), side).unwrap(), side)
         };
         assert_eq!(
             from([0.33, 0.0, 0.37], Vec3::Y),
-            Outlook::InsideSolid,
+            PointClass::InsideSolid,
             "under the short box"
         );
         assert_eq!(
             from([0.8, 0.0, 0.9], Vec3::Y),
-            Outlook::Open,
+            PointClass::Open,
             "the free floor"
         );
         assert_eq!(
             from([0.0, 1.0, -1.0], Vec3::Z),
-            Outlook::Open,
+            PointClass::Open,
             "the back wall"
         );
         assert_eq!(
             from([0.0, 1.0, -1.0], Vec3::NEG_Z),
-            Outlook::Nothing,
+            PointClass::Nothing,
             "its outer side"
         );
     }
@@ -262,9 +266,9 @@ mod tests {
         assert_eq!(flipped.len(), 12);
         flipped.iter().for_each(|&t| scene.triangles[t].swap(1, 2));
         let tracer = Tracer::new(&scene).unwrap();
-        let lookout = Lookout::new(&scene, &tracer);
-        assert!(lookout.inside_solid(Vec3::new(0.33, 0.3, 0.37)));
-        assert!(!lookout.inside_solid(Vec3::new(0.33, 0.9, 0.37)));
+        let visibility = VisibilityQueries::new(&scene, &tracer);
+        assert!(visibility.inside_solid(Vec3::new(0.33, 0.3, 0.37)));
+        assert!(!visibility.inside_solid(Vec3::new(0.33, 0.9, 0.37)));
         let alone = scene.clone();
         let room = Scene {
             triangles: flipped.iter().map(|&t| alone.triangles[t]).collect(),
@@ -277,9 +281,9 @@ mod tests {
             ..alone
         };
         let tracer = Tracer::new(&room).unwrap();
-        let lookout = Lookout::new(&room, &tracer);
+        let visibility = VisibilityQueries::new(&room, &tracer);
         assert!(
-            !lookout.inside_solid(Vec3::new(0.33, 0.3, 0.37)),
+            !visibility.inside_solid(Vec3::new(0.33, 0.3, 0.37)),
             "a room, seen from within"
         );
     }
@@ -319,11 +323,20 @@ mod tests {
         add(at(5.0), at(5.0) + Vec3::splat(4.0), true);
         add(at(6.0), at(6.0) + Vec3::ONE, false);
         let tracer = Tracer::new(&scene).unwrap();
-        let lookout = Lookout::new(&scene, &tracer);
-        assert!(!lookout.inside_solid(Vec3::new(8.0, 2.0, 2.0)), "the room");
-        assert!(lookout.inside_solid(Vec3::new(6.5, 0.5, 0.5)), "its crate");
-        assert!(!lookout.inside_solid(Vec3::new(0.0, 1.0, 0.8)), "the box");
+        let visibility = VisibilityQueries::new(&scene, &tracer);
+        assert!(
+            !visibility.inside_solid(Vec3::new(8.0, 2.0, 2.0)),
+            "the room"
+        );
+        assert!(
+            visibility.inside_solid(Vec3::new(6.5, 0.5, 0.5)),
+            "its crate"
+        );
+        assert!(
+            !visibility.inside_solid(Vec3::new(0.0, 1.0, 0.8)),
+            "the box"
+        );
         let block = Vec3::new(0.33, 0.3, 0.37);
-        assert!(lookout.inside_solid(block), "its short block");
+        assert!(visibility.inside_solid(block), "its short block");
     }
 }

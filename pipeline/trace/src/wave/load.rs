@@ -1,0 +1,31 @@
+//! Paths into the columns of a tile.
+
+use super::kernels::Vertices;
+use super::path::Path;
+use super::random::Draws;
+use super::run::Batch;
+
+/// Copies paths at their vertices into a tile's columns.
+pub(super) fn load<'a>(
+    batch: &Batch,
+    paths: impl Iterator<Item = &'a Path>,
+    vertices: &mut Vertices,
+    draws: &mut Draws,
+) {
+    let tracer = batch.part.tracer;
+    let each = batch.replicate_paths as u32;
+    vertices.surfaces.materials.clear();
+    for (i, path) in paths.enumerate() {
+        let row = batch.row(path);
+        let vertex = tracer.vertex(path.triangle, path.barycentrics, path.viewer);
+        vertices.surfaces.set(i, &vertex);
+        vertices.viewer.set(i, path.viewer);
+        vertices.throughput.set(i, path.throughput);
+        vertices.first[i] = path.first;
+        vertices.density[i] = path.density;
+        vertices.mirror_density[i] = path.mirror_density;
+        vertices.light.set(i, row.light);
+        let number = row.replicate.wrapping_mul(each).wrapping_add(path.number);
+        draws.name(i, row.index, number);
+    }
+}
