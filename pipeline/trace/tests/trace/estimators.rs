@@ -1,8 +1,8 @@
 //! The estimators against the plain reference, and against each other.
 
+use crate::chi_square::chi_square_tail;
 use crate::reference::{Plain, Random, mean_of};
 use crate::scenes::{Builder, cornell, lambert, principled};
-use crate::chi_square::chi_square_tail;
 use crate::statistics::assert_z;
 use glam::Vec3;
 use rrf_scene::{INVALID, Scene};

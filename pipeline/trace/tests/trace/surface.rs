@@ -3,8 +3,8 @@
 use crate::chi_square::assert_chi_square;
 use crate::scenes::{Builder, cornell, lambert};
 use glam::{Vec2, Vec3};
-use rrf_scene::{INVALID, Material, Texture};
 use rrf_materials::ShadingFrame;
+use rrf_scene::{INVALID, Material, Texture};
 use rrf_trace::{Stream, Tracer};
 
 #[test]
