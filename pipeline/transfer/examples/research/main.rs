@@ -1,0 +1,88 @@
+//! What direct-to-indirect transfer costs and how far it carries.
+//!
+//! ```text
+//! cargo run --release -p rrf-transfer --example research -- SETUP [SCENE] MODE
+//! ```
+//!
+//! SETUP: `salon PATH`, `overhead`, `free`, `free15`. Results: `docs/transfer.md`.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod cell;
+mod clock;
+mod local;
+mod mirror;
+mod net;
+mod raw;
+mod regress;
+mod setup;
+mod table;
+mod tree;
+mod truth;
+
+use rrf_trace::Tracer;
+use setup::{Places, Setup};
+use truth::Truth;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let name = words.first().map_or("overhead", String::as_str);
+    let path = words.iter().find(|w| w.ends_with(".glb"));
+    let setup = Setup::new(name, path.map(String::as_str));
+    let tracer = Tracer::new(&setup.scene).expect("a scene that can be traced");
+    let number = |key: &str, otherwise: usize| {
+        let found = words
+            .iter()
+            .find_map(|w| w.strip_prefix(&format!("{key}=")));
+        found.map_or(otherwise, |v| v.parse().expect("a number"))
+    };
+    let places = Places::new(&setup, &tracer);
+    let (points, lights) = (number("points", 240), number("lights", 24));
+    let file = std::env::temp_dir().join(format!("transfer-{name}-{points}-{lights}.truth"));
+    let start = clock::cpu();
+    let truth = Truth::new(
+        &tracer,
+        places.points(points, 1),
+        places.lights(lights, 1),
+        number("spp", 2_048) as u32,
+        &file,
+    );
+    println!(
+        "{name}: truth {:.1} CPU s, noise {:.2} %",
+        clock::cpu() - start,
+        100.0 * truth.noise()
+    );
+    let paths = number("paths", 2_048) as u32;
+    let samples = number("samples", 8) as u32;
+    let settings = |count| (count, paths, samples, number("directions", 4) as u32);
+    if words.iter().any(|w| w == "raw") {
+        let chosen = [settings(number("patches", 8_000))];
+        raw::run(&setup.scene, &tracer, &truth, &chosen);
+    }
+    let has = |word: &str| words.iter().any(|w| w == word);
+    if has("local") || has("nets") {
+        let fraction = |key: &str, otherwise: f64| {
+            let found = words
+                .iter()
+                .find_map(|w| w.strip_prefix(&format!("{key}=")));
+            found.map_or(otherwise, |v| v.parse().expect("a number"))
+        };
+        let plan = regress::Plan {
+            patches: number("patches", 4_000),
+            samples,
+            rows: number("rows", 4_000),
+            paths: number("row-paths", 256) as u32,
+            ensemble: number("ensemble", 200),
+            rank: number("rank", 96),
+            cell_rows: number("cell-rows", 400),
+            hidden: number("hidden", 16),
+            cell_rank: number("cell-rank", 16),
+            ridge: fraction("ridge", 1e-4),
+            decay: fraction("decay", 1e-5),
+            steep: fraction("steep", 1.0) as f32,
+            local: has("local"),
+            nets: has("nets"),
+        };
+        regress::run(&setup.scene, &tracer, &places, &truth, &plan);
+    }
+}

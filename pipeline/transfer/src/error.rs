@@ -1,0 +1,49 @@
+//! Why a transfer cannot be made.
+
+/// A transfer that cannot be made, with the fact and the remedy.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TransferError {
+    /// There is no surface, or no patch was asked for.
+    #[error(
+        "no patches: the scene needs a triangle with an area, and the count must be at least 1"
+    )]
+    NoPatches,
+    /// A path count that two halves cannot share.
+    #[error(
+        "{paths} paths cannot be split into two equal halves: ask for an even number, at least 2"
+    )]
+    Paths {
+        /// Paths asked for.
+        paths: u32,
+    },
+    /// A vector over columns of another length than the patches have.
+    #[error("{found} columns where the patches have {expected}: they belong to other patches")]
+    Columns {
+        /// Columns found.
+        found: usize,
+        /// Columns expected.
+        expected: usize,
+    },
+    /// A basis without anything to be made of.
+    #[error(
+        "a basis needs rows, lights and a rank of at least 1: {rows} rows, {lights} lights, rank {rank}"
+    )]
+    NoBasis {
+        /// Rows given.
+        rows: usize,
+        /// Lights given.
+        lights: usize,
+        /// Rank asked for.
+        rank: usize,
+    },
+    /// LAPACK gave up.
+    #[error("a factorisation of {rows} by {columns} numbers failed: {reason}")]
+    Factorisation {
+        /// Rows of the matrix.
+        rows: usize,
+        /// Columns of the matrix.
+        columns: usize,
+        /// LAPACK's own words.
+        reason: String,
+    },
+}

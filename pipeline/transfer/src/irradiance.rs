@@ -1,0 +1,130 @@
+//! Direct irradiance of every patch.
+//!
+//! Each patch is asked at a few fixed points, stratified by area; what arrives there is the mean
+//! over them. The points never change, so that a light which moves a little changes the
+//! irradiance a little, and what stands still stays the same to the bit.
+
+use crate::lights::{Arrival, DirectLight, Receiver};
+use crate::patches::Patches;
+use crate::tracing::{Rays, Stream, Table, Tracer};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Patches asked together: their shadow rays are one batch.
+const BATCH: usize = 64;
+
+/// The fixed points of one side of a patch.
+#[derive(Clone, Debug)]
+struct Side {
+    patch: u32,
+    back: bool,
+    points: Vec<Receiver>,
+    triangles: Vec<u32>,
+}
+
+/// Asks for the direct irradiance of patches, always at the same points.
+pub struct Receivers<'a> {
+    tracer: &'a Tracer<'a>,
+    patches: &'a Patches,
+    sides: Vec<Side>,
+    count: u32,
+}
+
+impl<'a> Receivers<'a> {
+    /// Places `count` points on each side of each patch that has a column in `used`, or on all.
+    pub fn new(
+        tracer: &'a Tracer<'a>,
+        patches: &'a Patches,
+        count: u32,
+        used: Option<&[bool]>,
+        stream: Stream,
+    ) -> Receivers<'a> {
+        let table = Table::new(count as usize);
+        let wanted = |patch: u32, back: bool| {
+            let first = patches.first_column(patch, back) as usize;
+            let columns = first..first + patches.directions(patch).pow(2) as usize;
+            used.is_none_or(|used| used.get(columns).is_none_or(|c| c.contains(&true)))
+        };
+        let sides: Vec<(u32, bool)> = (0..patches.len() as u32)
+            .flat_map(|patch| [(patch, false), (patch, true)])
+            .filter(|&(patch, back)| wanted(patch, back))
+            .collect();
+        let sides = sides.into_par_iter().map(|(patch, back)| {
+            let points = patches.points(patch, count, stream, &table);
+            Side {
+                patch,
+                back,
+                triangles: points.iter().map(|p| p.triangle).collect(),
+                points: (points.iter())
+                    .map(|p| receiver(tracer, p.triangle, p.barycentrics, back))
+                    .collect(),
+            }
+        });
+        Receivers {
+            tracer,
+            patches,
+            sides: sides.collect(),
+            count,
+        }
+    }
+
+    /// Sides of patches that are asked.
+    pub fn sides(&self) -> usize {
+        self.sides.len()
+    }
+
+    /// Direct irradiance of every column a channel [W/m^2]; of a glossy patch's directions, what
+    /// arrives from each. Its bits do not depend on the number of threads.
+    pub fn irradiance(&self, light: &dyn DirectLight) -> Vec<Vec3> {
+        let batches: Vec<Vec<(u32, Vec3)>> = self
+            .sides
+            .par_chunks(BATCH)
+            .map(|sides| self.batch(sides, light))
+            .collect();
+        let mut columns = vec![Vec3::ZERO; self.patches.columns()];
+        for (column, value) in batches.into_iter().flatten() {
+            columns[column as usize] += value;
+        }
+        columns
+    }
+
+    /// What reaches the points of a few sides: columns and irradiances.
+    fn batch(&self, sides: &[Side], light: &dyn DirectLight) -> Vec<(u32, Vec3)> {
+        let (mut rays, mut arriving) = (Rays::default(), Vec::new());
+        let share = 1.0 / self.count.max(1) as f32;
+        for side in sides {
+            for (k, (point, &triangle)) in side.points.iter().zip(&side.triangles).enumerate() {
+                let sample = u64::from(side.patch) * u64::from(self.count) + k as u64;
+                light.arrivals(point, sample, &mut |arrival: Arrival| {
+                    let l = arrival.direction;
+                    let cosine = point.shading.dot(l);
+                    if cosine <= 0.0 || point.geometric.dot(l) <= 0.0 {
+                        return;
+                    }
+                    let origin = self.tracer.lift(triangle, point.position, l);
+                    let column = self.patches.column(side.patch, side.back, point.shading, l);
+                    rays.push(origin, l, arrival.distance);
+                    arriving.push((column, arrival.normal_irradiance * (cosine * share)));
+                });
+            }
+        }
+        let mut blocked = Vec::new();
+        self.tracer.occluded(&rays, &mut blocked);
+        let free = arriving
+            .into_iter()
+            .zip(blocked)
+            .filter(|(_, blocked)| !blocked);
+        free.map(|(arrival, _)| arrival).collect()
+    }
+}
+
+/// One side of a surface point.
+fn receiver(tracer: &Tracer, triangle: u32, barycentrics: [f32; 2], back: bool) -> Receiver {
+    let point = tracer.point(triangle, barycentrics);
+    let geometric = if back { -point.normal } else { point.normal };
+    Receiver {
+        position: point.position,
+        geometric,
+        shading: tracer.normal_at(&point, geometric),
+    }
+}

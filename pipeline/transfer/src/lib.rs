@@ -1,0 +1,33 @@
+//! Indirect light as a linear function of direct light.
+//!
+//! Transport is linear in the light. If E_g is the direct irradiance of surface patch g, whatever
+//! lights it, the light that leaves a point p toward a viewer v after two reflections or
+//! more is
+//!
+//! ```text
+//! s+(p, v) = sum over g of T_g(p, v) E_g
+//! ```
+//!
+//! (Hasan, Pellacini, Bala, *Direct-to-Indirect Transfer for Cinematic Relighting*, SIGGRAPH
+//! 2006). [`Patches`] cuts the surface into patches; [`Receivers`] asks for their irradiance under
+//! any [`DirectLight`]; [`trace_rows`] estimates rows of T by paths that know no light;
+//! [`Basis`] says which few numbers of an irradiance an ensemble of lights needs, and [`CellBasis`]
+//! which of them the rows of one cell need.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+mod basis;
+mod error;
+mod irradiance;
+mod lights;
+mod patches;
+mod rows;
+mod tracing;
+mod walk;
+
+pub use basis::{Basis, CellBasis, Ensemble, Weights, radiances};
+pub use error::TransferError;
+pub use irradiance::Receivers;
+pub use lights::{Arrival, DirectLight, DistantSource, PointSource, Receiver};
+pub use patches::{PatchConfig, PatchPoint, Patches, SizeField};
+pub use rows::{Entry, RowConfig, RowPoint, Rows, trace_rows};

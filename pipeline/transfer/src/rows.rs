@@ -1,0 +1,210 @@
+//! Rows of the transfer: what one unit of irradiance on each patch adds at a point.
+//!
+//! Paths leave the point toward the scene without any light. Each vertex after the point itself
+//! would send on the direct light of its patch: it deposits in the patch's column what one unit
+//! of irradiance there adds at the point toward its viewer. Light that reaches the point
+//! itself straight from a light is left out, so that row times irradiance is the *indirect* light
+//! (Hasan, Pellacini, Bala, *Direct-to-Indirect Transfer for Cinematic Relighting*, SIGGRAPH 2006;
+//! the quantity is that of Ren et al. 2013, eq. 2). The estimate is unbiased but for the
+//! irradiance being taken as even over a patch.
+
+use crate::TransferError;
+use crate::patches::Patches;
+use crate::tracing::{Stream, SurfacePoint, Tracer};
+use crate::walk::{Start, Walker};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Paths that travel together, at most one row's half more.
+const BATCH: usize = 2048;
+
+/// Where a row is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowPoint {
+    /// Surface point.
+    pub point: SurfacePoint,
+    /// Unit direction to the viewer, world frame.
+    pub viewer: Vec3,
+}
+
+/// What a column holds of a row, a channel [1/sr].
+///
+/// Materials are affine in the base colour of the row's own point: the radiance of the row
+/// is `constant + base_color * base`, times the irradiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Entry {
+    /// What a base colour of 1 adds: the diffuse lobe, a metal's reflection.
+    pub base: Vec3,
+    /// What a base colour of 0 leaves: a dielectric's reflection.
+    pub constant: Vec3,
+}
+
+/// Sparse rows, each as two independent half estimates.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    /// Columns that the patches have.
+    pub width: usize,
+    /// First entry of each half (row 0's halves, row 1's, ...), and the number of all.
+    pub starts: Vec<usize>,
+    /// Column of each entry; growing within a half.
+    pub columns: Vec<u32>,
+    /// The entries.
+    pub entries: Vec<Entry>,
+    /// Harmonic mean of the distances that the first rays of each row travel, metres; infinite
+    /// where all of them leave the scene (Ward, Rubinstein, Clear 1988).
+    pub distance: Vec<f32>,
+}
+
+/// How rows are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowConfig {
+    /// Paths a row, both halves together.
+    pub paths: u32,
+    /// From its second reflection on, a path goes on with this times its throughput, relative to
+    /// the first one, as its probability (at most 1).
+    pub keep: f32,
+}
+
+impl Default for RowConfig {
+    fn default() -> RowConfig {
+        RowConfig {
+            paths: 512,
+            keep: 1.5,
+        }
+    }
+}
+
+/// Traces the rows of points. Row i draws its numbers at index `first_index + i` of the stream,
+/// whatever the batch that it stands in.
+pub fn trace_rows(
+    tracer: &Tracer,
+    patches: &Patches,
+    points: &[RowPoint],
+    config: &RowConfig,
+    stream: Stream,
+    first_index: u64,
+) -> Result<Rows, TransferError> {
+    if config.paths == 0 || !config.paths.is_multiple_of(2) {
+        return Err(TransferError::Paths {
+            paths: config.paths,
+        });
+    }
+    let each = config.paths as usize / 2;
+    let starts: Vec<Start> = (points.iter().zip(first_index..))
+        .flat_map(|(&RowPoint { point, viewer }, index)| {
+            (0..2).map(move |half| Start {
+                point,
+                viewer,
+                index,
+                half,
+            })
+        })
+        .collect();
+    let at_once = (BATCH / each).max(1);
+    let parts: Vec<Vec<HalfRow>> = starts
+        .par_chunks(at_once)
+        .map_init(
+            || Walker::new(tracer, patches, stream, config.keep, each),
+            |walker, starts| walker.rows(starts),
+        )
+        .collect();
+    Ok(Rows::gather(parts.into_iter().flatten(), patches.columns()))
+}
+
+/// One half of a row.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct HalfRow {
+    pub(crate) columns: Vec<u32>,
+    pub(crate) entries: Vec<Entry>,
+    /// Mean of 1 / distance of the first rays.
+    pub(crate) nearness: f32,
+}
+
+impl Rows {
+    fn gather(halves: impl Iterator<Item = HalfRow>, width: usize) -> Rows {
+        let mut rows = Rows {
+            width,
+            starts: vec![0],
+            ..Rows::default()
+        };
+        let mut nearness = Vec::new();
+        for half in halves {
+            rows.columns.extend(half.columns);
+            rows.entries.extend(half.entries);
+            rows.starts.push(rows.columns.len());
+            nearness.push(half.nearness);
+        }
+        rows.distance = (nearness.chunks_exact(2))
+            .map(|pair| 2.0 / (pair[0] + pair[1]))
+            .collect();
+        rows
+    }
+
+    /// How many rows.
+    pub fn len(&self) -> usize {
+        self.starts.len().saturating_sub(1) / 2
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Columns and entries of one half of a row.
+    pub fn half(&self, row: usize, half: usize) -> (&[u32], &[Entry]) {
+        let at = 2 * row + half;
+        let range = self.starts[at]..self.starts[at + 1];
+        (&self.columns[range.clone()], &self.entries[range])
+    }
+
+    /// About `count` of the rows, evenly picked, and which ones.
+    pub fn some(&self, count: usize) -> (Rows, Vec<usize>) {
+        let step = self.len().div_ceil(count.max(1)).max(1);
+        let picked: Vec<usize> = (0..self.len()).step_by(step).collect();
+        let mut some = Rows {
+            width: self.width,
+            starts: vec![0],
+            ..Rows::default()
+        };
+        for &row in &picked {
+            for half in 0..2 {
+                let (columns, entries) = self.half(row, half);
+                some.columns.extend_from_slice(columns);
+                some.entries.extend_from_slice(entries);
+                some.starts.push(some.columns.len());
+            }
+            some.distance.push(self.distance[row]);
+        }
+        (some, picked)
+    }
+
+    /// Which columns any row has an entry in.
+    pub fn used(&self) -> Vec<bool> {
+        let mut used = vec![false; self.width];
+        self.columns.iter().for_each(|&c| used[c as usize] = true);
+        used
+    }
+
+    /// One half of a row under an irradiance [W/m^2] a column: its two parts [W/(sr m^2)].
+    pub fn apply(&self, row: usize, half: usize, irradiance: &[Vec3]) -> Entry {
+        let (columns, entries) = self.half(row, half);
+        let mut sum = Entry::default();
+        for (&column, entry) in columns.iter().zip(entries) {
+            let e = irradiance
+                .get(column as usize)
+                .copied()
+                .unwrap_or(Vec3::ZERO);
+            sum.base += entry.base * e;
+            sum.constant += entry.constant * e;
+        }
+        sum
+    }
+}
+
+impl Entry {
+    /// The whole for a surface of this base colour.
+    #[inline]
+    pub fn coloured(&self, base_color: Vec3) -> Vec3 {
+        self.constant + base_color * self.base
+    }
+}

@@ -1,0 +1,9 @@
+//! The transfer against closed forms, and against the path tracer that knows the light.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod basis;
+mod irradiance;
+mod patches;
+mod rows;
+mod scenes;
