@@ -1,9 +1,8 @@
 //! All that this crate asks of the tracer, in one place.
 
 use glam::Vec3;
-use rrf_scene::MaterialKind;
 
-pub use rrf_trace::bsdf::Bsdf;
+pub use rrf_materials::Bsdf;
 pub use rrf_trace::sobol::{DIMENSIONS, Scramble, Table, scramble};
 pub use rrf_trace::{Hits, Rays, Stream, SurfacePoint, Tracer};
 
@@ -50,5 +49,5 @@ pub(crate) fn first_step(bsdf: &Bsdf, n: Vec3, v: Vec3, u: [f32; 3]) -> Option<F
 
 /// Whether a material reflects alike in all directions.
 pub(crate) fn is_lambert(bsdf: &Bsdf) -> bool {
-    bsdf.kind == MaterialKind::Lambert
+    !bsdf.kind.depends_on_viewer
 }

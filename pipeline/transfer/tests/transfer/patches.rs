@@ -117,11 +117,11 @@ fn columns_tell_sides_and_directions_apart() {
     let stream = Stream::new(7, 0, 0);
     for back in [false, true] {
         let n = patches.normal[glossy as usize] * if back { -1.0 } else { 1.0 };
-        let frame = rrf_trace::Frame::new(n);
+        let frame = rrf_materials::ShadingFrame::new(n);
         let mut counts = [0.0f64; 16];
         for i in 0..16_000 {
             let u = stream.units(i, 0, u32::from(back));
-            let l = frame.to_world(rrf_trace::bsdf::cosine_hemisphere([u[0], u[1]]));
+            let l = frame.to_world(rrf_materials::cosine_hemisphere([u[0], u[1]]));
             let column = patches.column(glossy, back, n, l);
             counts[(column - patches.first_column(glossy, back)) as usize] += 1.0;
         }
