@@ -60,7 +60,7 @@ print(answers.num_rows, "points,", len(weights), "nets,", sum(len(w) for w in we
 
 # %%
 def evaluate(net, rows):
-    known = rt.nets.inputs(rows)  # raw columns, and the derived ones that schemas/weights.toml names
+    known = rt.nets.inputs(rows)  # raw columns, and the derived ones of schemas/inputs.toml
     h = np.reshape([known[name] for name in net["inputs"]], (len(net["inputs"]), rows.num_rows)).T
     h = (h - net["input_offset"]) * net["input_scale"]
     flat, layers = np.array(net["weights"]), net["layers"]
@@ -96,8 +96,7 @@ assert error.max() < 1e-5 and sealed.mean() < 0.02
 rt.rrf("export", run, "--safetensors", scratch / "nets.safetensors", "--onnx", scratch / "nets.onnx")
 tensors = load_file(scratch / "nets.safetensors")
 known = rt.nets.inputs(rows)
-names = [*rt.contract_names(), "dx", "dy", "dz", "inv_distance", "mirror_light", "cos_light", "cos_view"]
-x = np.stack([known[name] for name in names], 1)
+x = np.stack([known[entry["name"]] for entry in rt.contract.inputs()], 1)
 node = np.zeros(len(x), int)
 while (inner := tensors["tree.axis"][node] >= 0).any():
     axis = np.maximum(tensors["tree.axis"][node], 0)

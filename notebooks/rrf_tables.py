@@ -89,7 +89,7 @@ def with_material(table, run):
 
 def contract_names():
     """The 18 raw columns in order."""
-    return [column["name"] for column in contract.load("samples")["column"]][2:20]
+    return [column["name"] for column in contract.raw_columns()]
 
 
 leaf = nets.leaf

@@ -7,7 +7,7 @@
 
 use rrf_bake::{Job, Run};
 use rrf_scene::LoadOptions;
-use rrf_store::guard::Limits;
+use rrf_store::Limits;
 use rrf_store::layout::{
     cell_folder, chapter_path, fit_folder, model_folder, part_path, round_folder,
 };

@@ -18,12 +18,30 @@ SCALARS = {
 
 
 def names():
-    return sorted(path.stem for path in SCHEMAS.glob("*.toml"))
+    """The tables."""
+    return sorted(path.stem for path in SCHEMAS.glob("*.toml") if path.stem != "inputs")
+
+
+def inputs():
+    """What a net can read: the raw columns of a row, then the inputs that a formula computes."""
+    return tomllib.loads((SCHEMAS / "inputs.toml").read_text())["input"]
+
+
+def raw_columns(which="all"):
+    """The raw columns as columns of a schema, all or those in the "world" frame."""
+    columns = [entry for entry in inputs() if "formula" not in entry]
+    return [
+        {**entry, "type": "float32", "nullable": False}
+        for entry in columns
+        if which == "all" or entry["frame"] == which
+    ]
 
 
 def load(name):
     """One schema with the columns of the one that it extends in front."""
     schema = tomllib.loads((SCHEMAS / f"{name}.toml").read_text())
+    columns = [raw_columns(c["raw"]) if "raw" in c else [c] for c in schema["column"]]
+    schema["column"] = sum(columns, [])
     if base := schema.get("extends"):
         schema["column"] = load(base)["column"] + schema["column"]
     return schema

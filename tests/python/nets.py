@@ -1,23 +1,30 @@
 """The models of model/weights.arrow in numpy, as schemas/weights.toml describes them."""
 
+import contract
 import numpy as np
 
 
-def unit(x):
-    return x / np.linalg.norm(x, axis=1, keepdims=True)
+def reciprocal(x):
+    return np.divide(1, x, out=np.zeros_like(x), where=x > 0)
 
 
-def inputs(rows):
-    """Every input that a net can name, by name; rows is a table with the raw columns."""
-    known = {name: np.asarray(rows[name], float) for name in rows.column_names if name != "cell_id"}
-    p, n, v, l = (np.stack([known[k + a] for a in "xyz"], 1) for k in "pnvl")
-    d = unit(l - p)
-    known |= dict(zip(("dx", "dy", "dz"), d.T))
-    known["inv_distance"] = 1 / np.linalg.norm(l - p, axis=1)
-    known["cos_light"] = (n * d).sum(1)
-    known["cos_view"] = (n * v).sum(1)
-    known["mirror_light"] = ((2 * known["cos_view"][:, None] * n - v) * d).sum(1)
-    return known
+class Inputs(dict):
+    """Every input that a net can name, by name, computed when asked for; rows is a table with the raw
+    columns, numbers are float64."""
+
+    formulas = {entry["name"]: entry["formula"] for entry in contract.inputs() if "formula" in entry}
+    functions = {"sqrt": np.sqrt, "reciprocal": reciprocal}
+
+    def __init__(self, rows):
+        names = (name for name in rows.column_names if name != "cell_id")
+        super().__init__({name: np.asarray(rows[name], float) for name in names})
+
+    def __missing__(self, name):
+        self[name] = eval(self.formulas[name], self.functions, self)
+        return self[name]
+
+
+inputs = Inputs
 
 
 def leaf(tree, rows):

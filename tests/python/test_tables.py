@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 
 MODEL = ("tree", "weights", "metrics")
-RAW = [c["name"] for c in contract.load("samples")["column"]][2:20]
+RAW = [c["name"] for c in contract.raw_columns()]
 HALVES = [f"y{half}_{c}" for half in (0, 1) for c in "rgb"]
 
 
@@ -41,11 +41,28 @@ def test_schema_is_complete(name):
         contract.arrow_type(column["type"])
 
 
-def test_geometry_is_the_same_in_samples_and_points():
-    """A points table has the first twelve raw columns of a sample, word for word."""
-    samples = {c["name"]: c for c in contract.load("samples")["column"]}
-    for column in contract.load("points")["column"]:
-        assert samples[column["name"]] == column
+def test_raw_columns():
+    """A row's raw columns stand side by side in samples; its geometry is a points table."""
+    samples = [c["name"] for c in contract.load("samples")["column"]]
+    assert samples[2:20] == RAW
+    assert [c["name"] for c in contract.load("points")["column"]] == RAW[:12]
+
+
+def test_formulas_of_inputs():
+    """Against numpy's own words, in float64: a light above the mirror direction, and one on the point."""
+    rows = {name: np.array([0.3, -0.2]) for name in RAW}
+    n, v, to = np.array([0.6, 0.0, 0.8]), np.array([0.0, 0.6, 0.8]), np.array([1.0, -2.0, 2.0])
+    for k, axis in enumerate("xyz"):
+        rows[f"n{axis}"], rows[f"v{axis}"] = np.full(2, n[k]), np.full(2, v[k])
+        rows[f"l{axis}"] = rows[f"p{axis}"] + np.array([to[k], 0.0])
+    known = nets.inputs(pa.table(rows))
+    d = to / 3
+    wanted = {"inv_distance": 1 / 3, "cos_light": n @ d, "cos_view": n @ v}
+    wanted |= {"mirror_light": (2 * (n @ v) * n - v) @ d, "dx": d[0], "dy": d[1], "dz": d[2]}
+    assert wanted.keys() == nets.Inputs.formulas.keys()
+    for name, value in wanted.items():
+        dark = value if name == "cos_view" else 0
+        assert known[name] == pytest.approx([value, dark], abs=1e-15), name
 
 
 # --- samples

@@ -8,8 +8,9 @@ use crate::seams::seams;
 use crate::task::{is_done, tasks};
 use crate::test_rows;
 use rrf_field::Field;
+use rrf_field::tree::Domain;
 use rrf_store::layout::{TEST, fit_folder};
-use rrf_store::model::{self, Domain, Fit, ModelTree};
+use rrf_store::model::{self, Fit, ModelTree};
 use rrf_store::parts::remove_part;
 use std::collections::BTreeSet;
 

@@ -8,9 +8,10 @@ use crate::split::is_held_out;
 use crate::task::fit_config;
 use crate::work::{each_part, read_cell};
 use rrf_field::model::CellModel;
+use rrf_field::tree::Domain;
 use rrf_store::atomic::create_folder;
 use rrf_store::layout::{fit_folder, staging_folder};
-use rrf_store::model::{self, CellMetrics, Domain, Fit, FitStep, SquareError};
+use rrf_store::model::{self, CellMetrics, Fit, FitStep, SquareError};
 use rrf_store::samples::SampleTable;
 use rrf_store::{StoreError, atomic};
 use rrf_train::fit::spill::{SpillError, fit_spilled};
@@ -45,7 +46,7 @@ fn step((step, row): (u32, &HistoryRow)) -> FitStep {
         step,
         residuals: row.residuals as u64,
         cost: known(row.cost),
-        square_error: known(row.validation),
+        relative_square_error: known(row.validation),
         damping: row.damping,
         gain: known(row.gain),
     }
@@ -152,11 +153,7 @@ impl Seen {
         self.glossy |= !table.material.iter().all(is_lambert);
         for row in 0..table.len() {
             let row = table.columns.row(row);
-            let domain = self.domain.get_or_insert(Domain { min: row, max: row });
-            for (c, x) in row.into_iter().enumerate() {
-                domain.min[c] = domain.min[c].min(x);
-                domain.max[c] = domain.max[c].max(x);
-            }
+            self.domain.get_or_insert(Domain::EMPTY).include(&row);
         }
     }
 

@@ -174,7 +174,8 @@ impl Run {
         for (number, chapter) in (0u32..).zip(&chapters) {
             write_new_json(&chapter_path(&self.folder, plan.round, number), chapter)?;
         }
-        write_tasks(&path, &task_rows(&chapters), &self.facts())?;
+        let facts = self.facts();
+        write_tasks(&path, &task_rows(&chapters, facts.seed), &facts)?;
         // of another plan of this round
         remove_file(&self.round_file(plan.round, "judged.json"))?;
         remove_file(&crate::seconds::path(self, plan.round))?;

@@ -9,11 +9,11 @@ use crate::plan::{CellPlan, RoundPlan};
 use crate::run::Run;
 use crate::split::is_held_out;
 use rayon::prelude::*;
-use rrf_field::borders::{self, AXES};
+use rrf_field::borders::AXES;
 use rrf_field::columns::{COUNT, Columns};
-use rrf_field::tree;
+use rrf_field::tree::Domain;
 use rrf_field::{Field, FieldError};
-use rrf_store::model::{Domain, Seams, Spread};
+use rrf_store::model::{Seams, Spread};
 use rrf_store::parts;
 
 /// Rows of a cell that are looked at, at the most: a commit reads no more parts than hold them. The
@@ -78,7 +78,7 @@ fn some_rows(run: &Run, cell: &CellPlan) -> Result<Columns, BakeError> {
 /// The cells as they meet.
 struct Cells<'a> {
     field: &'a Field,
-    boxes: Vec<tree::Domain>,
+    boxes: Vec<Domain>,
     spans: &'a [Option<Domain>],
     epsilon: f64,
 }
@@ -121,14 +121,14 @@ impl Cells<'_> {
     fn has_seen(&self, row: &Row) -> bool {
         let cell = self.field.tree().find(row) as usize;
         let span = self.spans.get(cell).copied().flatten();
-        span.is_some_and(|span| borders::spans(&[span.min, span.max], row))
+        span.is_some_and(|span| span.nearly_holds(row))
     }
 }
 
 /// A row near a face of its cell, moved onto the cell's side of it, beyond it, and inwards from it;
 /// none where no face is near.
-fn moved(row: &Row, bounds: &tree::Domain, span: &Domain) -> Option<[Row; 3]> {
-    let size = |axis: usize| f64::from(span.max[axis]) - f64::from(span.min[axis]);
+fn moved(row: &Row, bounds: &Domain, span: &Domain) -> Option<[Row; 3]> {
+    let size = |axis: usize| f64::from(span.maximum[axis]) - f64::from(span.minimum[axis]);
     let (mut nearest, mut least) = (None, NEAR);
     for (low, faces) in [(true, &bounds.minimum), (false, &bounds.maximum)] {
         for axis in AXES {

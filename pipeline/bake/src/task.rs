@@ -139,7 +139,7 @@ pub(crate) fn chapters(run: &Run, plan: &RoundPlan) -> Result<Vec<Chapter>, Bake
 }
 
 /// The tasks as schedulers read them.
-pub(crate) fn task_rows(chapters: &[Chapter]) -> Vec<TaskRow> {
+pub(crate) fn task_rows(chapters: &[Chapter], seed: u64) -> Vec<TaskRow> {
     let row = |(id, task): (u32, &Task)| TaskRow {
         task_id: id,
         stage: task.stage.name().into(),
@@ -147,6 +147,7 @@ pub(crate) fn task_rows(chapters: &[Chapter]) -> Vec<TaskRow> {
         cell_id: (task.cell != TEST).then_some(task.cell),
         part: task.part,
         input_hash: task.hash.clone(),
+        seed,
         seconds: task.seconds,
         memory: task.memory,
     };

@@ -11,7 +11,7 @@ use crate::{ChartError, Done, Program};
 use arrow::array::AsArray;
 use arrow::datatypes::Float32Type;
 use rrf_bake::Run;
-use rrf_store::guard::Limits;
+use rrf_store::Limits;
 use rrf_store::{atomic, layout, model, points};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

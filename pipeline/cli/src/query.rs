@@ -9,7 +9,7 @@ use rrf_bake::Run;
 use rrf_extract::{PointClass, VisibilityQueries};
 use rrf_field::{Borders, Field, columns};
 use rrf_scene::Scene;
-use rrf_store::guard::Limits;
+use rrf_store::Limits;
 use rrf_store::model;
 use rrf_store::points::{PointsTable, check_ending, read_points, write_points};
 use rrf_store::schema::Table;

@@ -7,7 +7,7 @@ use arrow::array::{ArrayRef, Float32Array};
 use glam::Vec3;
 use rrf_field::columns;
 use rrf_scene::Scene;
-use rrf_store::guard::Limits;
+use rrf_store::Limits;
 use rrf_store::points::{check_ending, read_points, write_points};
 use rrf_store::schema::Table;
 use rrf_trace::{Estimator, Queries, Sampling, Stream, Tracer, indirect_with};

@@ -1,6 +1,6 @@
 //! Which answers of a model are to be believed.
 
-use rrf_field::Span;
+use rrf_field::tree::Domain;
 use rrf_store::model::{CellMetrics, ModelTree};
 use std::collections::BTreeSet;
 
@@ -25,11 +25,11 @@ pub fn distrust(tree: &mut ModelTree, metrics: &[CellMetrics], most: f64) {
 }
 
 /// What the rows of each cell span, by cell.
-pub fn spans(tree: &ModelTree) -> Vec<Option<Span>> {
+pub fn spans(tree: &ModelTree) -> Vec<Option<Domain>> {
     let mut spans = vec![None; tree.tree.cells()];
     for (node, cell) in tree.leaves() {
         if let (Some(span), Some(domain)) = (spans.get_mut(cell as usize), tree.domains.get(node)) {
-            *span = domain.map(|d| [d.min, d.max]);
+            *span = *domain;
         }
     }
     spans
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
     use rrf_field::columns::{COUNT, Columns};
     use rrf_field::tree::Tree;
-    use rrf_store::model::{Domain, SquareError};
+    use rrf_store::model::SquareError;
 
     fn metrics(cell_id: u32, mean: f64, se: f64) -> CellMetrics {
         CellMetrics {
@@ -55,8 +55,8 @@ mod tests {
         let mut tree = Tree::single();
         tree.split(0, 0, 0.0, 1);
         let whole = Domain {
-            min: [-1.0; COUNT],
-            max: [1.0; COUNT],
+            minimum: [-1.0; COUNT],
+            maximum: [1.0; COUNT],
         };
         let mut rows = Columns::default();
         rows.push([-0.5; COUNT]);

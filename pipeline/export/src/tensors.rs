@@ -17,7 +17,8 @@
 
 use crate::ExportError;
 use rrf_field::columns;
-use rrf_field::model::{CellModel, INPUTS};
+use rrf_field::inputs::NAMES;
+use rrf_field::model::CellModel;
 use rrf_field::tree::Tree;
 use safetensors::tensor::{Dtype, TensorView};
 use std::collections::HashMap;
@@ -53,7 +54,7 @@ pub fn write(
         .map(|(name, value)| (name.to_string(), value.clone()))
         .collect();
     metadata.insert("format".into(), "rrf-nets-1".into());
-    metadata.insert("inputs".into(), INPUTS.join(" "));
+    metadata.insert("inputs".into(), NAMES.join(" "));
     metadata.insert("raw_columns".into(), columns::NAMES.join(" "));
     let bytes =
         safetensors::serialize(views, Some(metadata)).map_err(|e| ExportError::write(path, e))?;

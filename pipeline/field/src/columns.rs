@@ -1,46 +1,29 @@
-//! The raw columns of a row, in one fixed order.
+//! Rows as raw columns, in the order of [`crate::inputs`].
 
-/// Names of the raw columns, as in `schemas/samples.toml`; world frame, metres.
-pub const NAMES: [&str; COUNT] = [
-    "px",
-    "py",
-    "pz",
-    "nx",
-    "ny",
-    "nz",
-    "vx",
-    "vy",
-    "vz",
-    "lx",
-    "ly",
-    "lz",
-    "base_r",
-    "base_g",
-    "base_b",
-    "roughness",
-    "metallic",
-    "specular",
-];
+use crate::inputs::{self, Place};
+
 /// How many raw columns a row has.
-pub const COUNT: usize = 18;
-/// How many of them are geometry (the columns of a points table).
-pub const GEOMETRY: usize = 12;
+pub const COUNT: usize = inputs::RAW;
+/// Names of the raw columns, in order.
+pub const NAMES: [&str; COUNT] = inputs::RAW_NAMES;
 /// First column of the surface point.
-pub const P: usize = 0;
+pub const P: usize = Place::px as usize;
 /// First column of the normal.
-pub const N: usize = 3;
+pub const N: usize = Place::nx as usize;
 /// First column of the viewer direction.
-pub const V: usize = 6;
+pub const V: usize = Place::vx as usize;
 /// First column of the light position.
-pub const L: usize = 9;
+pub const L: usize = Place::lx as usize;
+/// How many columns are geometry (the columns of a points table).
+pub const GEOMETRY: usize = L + 3;
 /// First column of the base colour.
-pub const BASE: usize = 12;
+pub const BASE: usize = Place::base_r as usize;
 /// Column of the roughness.
-pub const ROUGHNESS: usize = 15;
+pub const ROUGHNESS: usize = Place::roughness as usize;
 /// Column of metallic.
-pub const METALLIC: usize = 16;
+pub const METALLIC: usize = Place::metallic as usize;
 /// Column of the dielectric specular.
-pub const SPECULAR: usize = 17;
+pub const SPECULAR: usize = Place::specular as usize;
 
 /// Many rows as parallel columns, all of one length.
 #[derive(Clone, Debug, Default, PartialEq)]

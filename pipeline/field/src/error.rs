@@ -26,7 +26,7 @@ pub enum FieldError {
         /// Its place among the models.
         cell: usize,
         /// What is wrong with it.
-        reason: &'static str,
+        reason: String,
     },
     /// A batch whose columns differ in length.
     #[error("column {column} has {found} rows, the others {expected}")]

@@ -20,12 +20,13 @@ pub struct Tree {
     pub cell: Vec<u32>,
 }
 
-/// A box in the space of raw columns, `minimum <= x < maximum` on each axis.
+/// A box in the space of raw columns, in each column's unit: a cell's of the tree, or what some rows
+/// span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Domain {
     /// Lower bound an axis, inclusive.
     pub minimum: [f32; columns::COUNT],
-    /// Upper bound an axis, exclusive.
+    /// Upper bound an axis; exclusive of a cell, inclusive where rows span it.
     pub maximum: [f32; columns::COUNT],
 }
 
@@ -50,6 +51,36 @@ impl Domain {
     pub fn contains_in(&self, some: Range<usize>, row: &[f32; columns::COUNT]) -> bool {
         let mut some = some;
         some.all(|i| self.minimum[i] <= row[i] && row[i] < self.maximum[i])
+    }
+
+    /// Widens the box to hold a row.
+    pub fn include(&mut self, row: &[f32; columns::COUNT]) {
+        for (i, &x) in row.iter().enumerate() {
+            self.minimum[i] = self.minimum[i].min(x);
+            self.maximum[i] = self.maximum[i].max(x);
+        }
+    }
+
+    /// Whether a query is like the rows that span the box: it lies within, give or take a hundredth of
+    /// the extent, as the outermost training rows stand a little inside the cell's border. The
+    /// normal is not looked at: it only turns within a cell, so its box says nothing.
+    pub fn holds(&self, row: &[f32; columns::COUNT]) -> bool {
+        (0..columns::COUNT)
+            .filter(|c| !(columns::N..columns::V).contains(c))
+            .all(|c| {
+                let (low, high) = (self.minimum[c], self.maximum[c]);
+                let margin = 0.01 * (high - low) + 1e-5 * high.abs().max(1e-3);
+                low - margin <= row[c] && row[c] <= high + margin
+            })
+    }
+
+    /// Whether a row lies within what rows span, widened by a twentieth of it and rounding.
+    pub fn nearly_holds(&self, row: &[f32; columns::COUNT]) -> bool {
+        (0..columns::COUNT).all(|c| {
+            let [low, high, x] = [self.minimum[c], self.maximum[c], row[c]].map(f64::from);
+            let slack = 0.05 * (high - low) + 1e-4 * (high + low).abs();
+            low - slack <= x && x <= high + slack
+        })
     }
 }
 

@@ -114,11 +114,11 @@ fn many_lights_are_their_sum() {
 fn damaged_ones_are_refused() {
     type Damage = fn(&mut CellModel);
     let damages: [(&str, Damage); 7] = [
-        ("weights that its kind", |m| m.weights.truncate(7)),
-        ("weights that its kind", |m| m.shape.sizes = vec![3]),
-        ("weights that its kind", |m| m.shape.sizes.fill(usize::MAX)),
-        ("scale each input", |m| m.input_scale.clear()),
-        ("does not know", |m| m.inputs[1] = 25),
+        ("7 weights, layers", |m| m.weights.truncate(7)),
+        ("offsets and scales for layers", |m| m.shape.sizes = vec![3]),
+        ("of kind", |m| m.shape.sizes[1..].fill(usize::MAX)),
+        ("offsets and scales for layers", |m| m.input_scale.clear()),
+        ("input 25 is not known", |m| m.inputs[1] = 25),
         ("exponents", |m| m.exponential = true),
         ("not finite", |m| m.weights[5] = f32::NAN),
     ];

@@ -51,13 +51,25 @@ fn a_damaged_model_is_refused() {
     type Damage = fn(&mut CellModel);
     let damages: [(&str, Damage); 10] = [
         ("another cell", |m| m.cell = 0),
-        ("empty one", |m| m.shape.sizes = vec![3, 0, 3]),
-        ("no layer", |m| m.shape.sizes = vec![3]),
-        ("3 outputs", |m| m.shape.sizes = vec![3, 4, 2]),
-        ("as many inputs", |m| m.inputs.push(4)),
-        ("does not know", |m| m.inputs[1] = 25),
-        ("scale each input", |m| m.input_scale.clear()),
-        ("as many weights", |m| m.weights.push(0.0)),
+        ("are not inputs, hidden units, 3", |m| {
+            m.shape.sizes = vec![3, 0, 3]
+        }),
+        ("are not inputs, hidden units, 3", |m| {
+            m.shape.sizes = vec![3]
+        }),
+        ("are not inputs, hidden units, 3", |m| {
+            m.shape.sizes = vec![3, 4, 2]
+        }),
+        ("inputs, offsets and scales for layers", |m| {
+            m.inputs.push(4)
+        }),
+        ("input 25 is not known", |m| m.inputs[1] = 25),
+        ("inputs, offsets and scales for layers", |m| {
+            m.input_scale.clear()
+        }),
+        ("weights, layers [3, 4, 3] of kind net have", |m| {
+            m.weights.push(0.0)
+        }),
         ("not finite", |m| m.weights[5] = f32::NAN),
         ("not finite", |m| m.output_scale[2] = f32::INFINITY),
     ];

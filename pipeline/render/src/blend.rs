@@ -1,12 +1,12 @@
 //! The nets' light with cells blended where they meet.
 
 use rrf_field::columns::{self, Columns};
-use rrf_field::{Borders, FieldError, Lit};
+use rrf_field::{Borders, FieldError, LitField};
 
-/// [`Lit::evaluate`] with cells blended where they meet.
+/// [`LitField::evaluate`] with cells blended where they meet.
 pub(crate) fn blended(
     borders: &Borders,
-    lit: &Lit,
+    lit: &LitField,
     rows: &Columns,
     sum: &mut [Vec<f32>; 3],
     cells: &mut Vec<u32>,
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
     use rrf_field::model::{CellModel, Kind};
     use rrf_field::net::Shape;
-    use rrf_field::tree::Tree;
+    use rrf_field::tree::{Domain, Tree};
     use rrf_field::{Field, Light};
 
     fn plain(cell: u32, y: f32) -> CellModel {
@@ -67,8 +67,11 @@ mod tests {
         tree.split(0, columns::L, 0.0, 1);
         let field = Field::new(tree, vec![plain(0, 1.0), plain(1, 1.2)]).unwrap();
         let span = |low: f32, high: f32| {
-            let mut span = [[0.5; columns::COUNT]; 2];
-            (span[0][columns::L], span[1][columns::L]) = (low, high);
+            let mut span = Domain {
+                minimum: [0.5; columns::COUNT],
+                maximum: [0.5; columns::COUNT],
+            };
+            (span.minimum[columns::L], span.maximum[columns::L]) = (low, high);
             Some(span)
         };
         let borders = Borders::new(&field, vec![span(-2.0, 0.0), span(0.0, 1.0)]);

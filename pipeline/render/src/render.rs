@@ -15,7 +15,7 @@ use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
-use rrf_field::{Borders, Field, Light, Lit, Workspace};
+use rrf_field::{Borders, Field, Light, LitField, Workspace};
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
 use std::sync::Mutex;
@@ -95,7 +95,7 @@ struct Job<'f> {
     /// Whether surfaces may shine themselves.
     emission: bool,
     /// The nets under their point lights.
-    lit: Lit<'f>,
+    lit: LitField<'f>,
     options: &'f RenderOptions<'f>,
 }
 
@@ -289,9 +289,9 @@ impl Job<'_> {
         match self.options.borders {
             Some(borders) => blended(borders, &self.lit, &seen.rows, radiance, cells)?,
             None => {
-                let spent = Some(&mut stages.nets);
+                let timings = Some(&mut stages.nets);
                 self.lit
-                    .evaluate(&seen.rows, nets, radiance, cells, spent)?;
+                    .evaluate(&seen.rows, nets, radiance, cells, timings)?;
             }
         }
         let mut lap = Lap::start();

@@ -3,7 +3,7 @@
 //! Other programs' tables go through this in the Python checks.
 
 use arrow::array::{ArrayRef, Float32Array};
-use rrf_store::guard::Limits;
+use rrf_store::Limits;
 use rrf_store::points::{check_ending, read_points, write_points};
 use rrf_store::schema::{Table, table};
 use std::error::Error;

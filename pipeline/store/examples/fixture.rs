@@ -11,7 +11,8 @@ mod made;
 
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, RecordBatch, UInt32Array};
 use rrf_field::columns::Columns;
-use rrf_field::model::{CellModel, fill};
+use rrf_field::inputs::fill;
+use rrf_field::model::CellModel;
 use rrf_store::layout::{fit_folder, staging_folder};
 use rrf_store::model::{write_metrics, write_steps, write_tree, write_weights};
 use rrf_store::parts::write_part;

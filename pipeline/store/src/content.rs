@@ -6,6 +6,7 @@ use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
 use arrow::buffer::ScalarBuffer;
 use arrow::datatypes::{ArrowNativeType, DataType, Schema};
 use arrow::datatypes::{Float32Type, Float64Type, Int8Type, UInt32Type, UInt64Type};
+use std::path::Path;
 
 /// blake3 over one blake3 a column, in the batch's order. A column's goes over its name, a zero
 /// byte and its values: numbers in little-endian order, truth values as a byte, texts and lists
@@ -28,7 +29,7 @@ impl ContentHash {
     }
 
     /// The hash of one batch.
-    pub(crate) fn of(batch: &RecordBatch) -> Result<String, StoreError> {
+    pub(crate) fn of(batch: &RecordBatch) -> Result<Content, StoreError> {
         let mut hash = ContentHash::new(batch.schema_ref());
         hash.update(batch)?;
         Ok(hash.finish())
@@ -50,12 +51,40 @@ impl ContentHash {
         Ok(())
     }
 
-    pub(crate) fn finish(self) -> String {
+    pub(crate) fn finish(self) -> Content {
         let mut whole = blake3::Hasher::new();
         for (hasher, _) in self.columns {
             whole.update(hasher.finalize().as_bytes());
         }
-        whole.finalize().to_hex().to_string()
+        Content(whole.finalize().to_hex().to_string())
+    }
+}
+
+/// A hash of values, in hexadecimal digits.
+pub(crate) struct Content(pub String);
+
+impl Content {
+    /// Checks that these values, found in `path`, are those that were written.
+    ///
+    /// # Errors
+    /// [`StoreError::Corrupt`].
+    pub(crate) fn expect(
+        &self,
+        written: &str,
+        path: &Path,
+        format: &'static str,
+        remedy: &'static str,
+    ) -> Result<(), StoreError> {
+        if self.0 == written {
+            return Ok(());
+        }
+        let found = &self.0;
+        Err(StoreError::Corrupt {
+            path: path.into(),
+            format,
+            reason: format!("its values hash to {found}, written was {written}"),
+            remedy,
+        })
     }
 }
 

@@ -14,7 +14,7 @@
 //! - [`points`] reads tables of queries and writes them again with answers appended;
 //! - [`atomic`] makes every file appear whole or not at all.
 //!
-//! Files may be damaged or hostile. [`guard`] limits what one may ask for, claims are checked
+//! Files may be damaged or hostile. [`Limits`] say how much one may ask for, claims are checked
 //! before the decoders of arrow and parquet believe them, a panic of theirs becomes an error, and
 //! a content hash finds bits that flipped inside values. [`error::StoreError`] carries the place,
 //! what was expected and found, and what to do.
@@ -34,25 +34,20 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
-mod arrow_check;
-mod arrow_file;
 pub mod atomic;
-mod columns;
 mod content;
 pub mod error;
-mod expanded;
-pub mod guard;
+mod facts;
+mod formats;
 pub mod layout;
 pub mod manifest;
 pub mod model;
-mod parquet_check;
-mod parquet_file;
-pub mod part_reader;
-pub mod parts;
 pub mod points;
-mod points_check;
 pub mod samples;
 pub mod schema;
+pub mod table;
 pub mod task_table;
 
 pub use error::StoreError;
+pub use formats::Limits;
+pub use samples::{part_reader, parts};

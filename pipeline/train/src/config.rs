@@ -2,6 +2,7 @@
 
 use crate::error::TrainError;
 use crate::net::blocks::Precision;
+use rrf_field::inputs::INPUTS;
 use rrf_field::model::Kind;
 use rrf_lm::LmConfig;
 use serde::{Deserialize, Serialize};
@@ -65,7 +66,7 @@ pub enum Schedule {
 pub struct TrainConfig {
     /// Seed of all first weights.
     pub seed: u64,
-    /// Inputs to consider, as names in `rrf_field::model::INPUTS`; those that do not vary in a
+    /// Inputs to consider, as names in `rrf_field::inputs::INPUTS`; those that do not vary in a
     /// cell are dropped.
     pub inputs: Vec<String>,
     /// Cells do without the normal and without the material where the position of a point tells them.
@@ -124,33 +125,10 @@ pub struct TrainConfig {
 
 impl Default for TrainConfig {
     fn default() -> TrainConfig {
-        let inputs = [
-            "px",
-            "py",
-            "pz",
-            "nx",
-            "ny",
-            "nz",
-            "vx",
-            "vy",
-            "vz",
-            "lx",
-            "ly",
-            "lz",
-            "base_r",
-            "base_g",
-            "base_b",
-            "roughness",
-            "metallic",
-            "specular",
-            "dx",
-            "dy",
-            "dz",
-            "inv_distance",
-        ];
+        let offered = INPUTS.iter().filter(|input| input.by_default);
         TrainConfig {
             seed: 1,
-            inputs: inputs.map(String::from).to_vec(),
+            inputs: offered.map(|input| input.name.into()).collect(),
             drop_redundant: false,
             kind: Kind::Net,
             size: Size::Hidden(vec![20, 10]),

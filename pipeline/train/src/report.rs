@@ -34,7 +34,7 @@ pub struct CellFit {
     pub validation_rows: usize,
     /// Rows left out because a number in them is not finite, by place in the cell.
     pub quarantined: Vec<u32>,
-    /// Inputs dropped because they do not vary or cannot matter, as places in `rrf_field::model::INPUTS`.
+    /// Inputs dropped because they do not vary or cannot matter, as places in `rrf_field::inputs::INPUTS`.
     pub dropped_inputs: Vec<u8>,
     /// Accepted steps.
     pub history: Vec<HistoryRow>,

@@ -37,11 +37,11 @@ fn constant(cell: u32, value: [f32; 3]) -> CellModel {
 /// Every column from 0 to 1 where nothing else is said.
 fn span(but: &[(usize, f32, f32)]) -> Option<Domain> {
     let mut span = Domain {
-        min: [0.0; COUNT],
-        max: [1.0; COUNT],
+        minimum: [0.0; COUNT],
+        maximum: [1.0; COUNT],
     };
     for &(axis, min, max) in but {
-        (span.min[axis], span.max[axis]) = (min, max);
+        (span.minimum[axis], span.maximum[axis]) = (min, max);
     }
     Some(span)
 }

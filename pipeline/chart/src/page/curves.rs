@@ -40,7 +40,7 @@ pub(super) fn training(run: &Run, metrics: &[CellMetrics]) -> Result<String, Cha
         })
     };
     let held_out = curves("error on rows held out [%]", |s| {
-        s.square_error.map(|e| 100.0 * e.max(0.0).sqrt())
+        s.relative_square_error.map(|e| 100.0 * e.max(0.0).sqrt())
     })?;
     let cost = curves("cost a residual on rows trained on", |s| s.cost)?;
     let note = html::escape(&format!(

@@ -43,10 +43,10 @@ pub fn parse_hidden(text: &str) -> Result<Hidden, String> {
 
 /// The name of an input of a net.
 pub fn parse_input(text: &str) -> Result<String, String> {
-    if rrf_field::model::INPUTS.contains(&text) {
+    if rrf_field::inputs::NAMES.contains(&text) {
         return Ok(text.into());
     }
-    let known = rrf_field::model::INPUTS.join(" ");
+    let known = rrf_field::inputs::NAMES.join(" ");
     Err(format!("is no input of a net; there are {known}"))
 }
 

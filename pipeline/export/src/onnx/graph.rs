@@ -4,8 +4,29 @@ use super::format::{
     Attribute, Dimension, FLOAT, Graph, INT64, Node, Shape, Tensor, TensorType, Type, ValueInfo,
 };
 
-/// Name of a value in the graph.
-pub(super) type Value = String;
+/// A value in the graph.
+#[derive(Clone, Copy)]
+pub(super) enum Value {
+    /// What the graph is given.
+    Input,
+    /// Result of a node, by its place.
+    Result(usize),
+    /// A constant, by its place.
+    Constant(usize),
+}
+
+impl Value {
+    fn name(self) -> String {
+        match self {
+            Value::Input => INPUT.into(),
+            Value::Result(node) => format!("v{node}"),
+            Value::Constant(place) => format!("c{place}"),
+        }
+    }
+}
+
+/// Name of the graph's input.
+pub(super) const INPUT: &str = "raw";
 
 #[derive(Default)]
 pub(super) struct Builder {
@@ -15,12 +36,12 @@ pub(super) struct Builder {
 
 impl Builder {
     /// Result of an operator with one output.
-    pub(super) fn op(&mut self, op: &str, inputs: &[&Value]) -> Value {
+    pub(super) fn op(&mut self, op: &str, inputs: &[Value]) -> Value {
         self.op_with(op, inputs, Vec::new())
     }
 
     /// Result of an operator with an integer attribute.
-    pub(super) fn op_int(&mut self, op: &str, inputs: &[&Value], name: &str, i: i64) -> Value {
+    pub(super) fn op_int(&mut self, op: &str, inputs: &[Value], name: &str, i: i64) -> Value {
         let attribute = Attribute {
             name: name.into(),
             i,
@@ -31,7 +52,7 @@ impl Builder {
     }
 
     /// A tensor of zeros whose shape is another's value.
-    pub(super) fn zeros(&mut self, shape: &Value, data_type: i32) -> Value {
+    pub(super) fn zeros(&mut self, shape: Value, data_type: i32) -> Value {
         let size = if data_type == INT64 { 8 } else { 4 };
         let attribute = Attribute {
             name: "value".into(),
@@ -47,11 +68,11 @@ impl Builder {
         self.op_with("ConstantOfShape", &[shape], vec![attribute])
     }
 
-    fn op_with(&mut self, op: &str, inputs: &[&Value], attribute: Vec<Attribute>) -> Value {
-        let output = format!("v{}", self.nodes.len());
+    fn op_with(&mut self, op: &str, inputs: &[Value], attribute: Vec<Attribute>) -> Value {
+        let output = Value::Result(self.nodes.len());
         self.nodes.push(Node {
-            input: inputs.iter().map(|&v| v.clone()).collect(),
-            output: vec![output.clone()],
+            input: inputs.iter().map(|v| v.name()).collect(),
+            output: vec![output.name()],
             op_type: op.into(),
             attribute,
         });
@@ -59,9 +80,9 @@ impl Builder {
     }
 
     /// Gives a value the name of an output.
-    pub(super) fn name(&mut self, value: &Value, name: &str) {
+    pub(super) fn name(&mut self, value: Value, name: &str) {
         self.nodes.push(Node {
-            input: vec![value.clone()],
+            input: vec![value.name()],
             output: vec![name.into()],
             op_type: "Identity".into(),
             attribute: Vec::new(),
@@ -79,14 +100,14 @@ impl Builder {
     }
 
     fn constant(&mut self, shape: &[usize], data_type: i32, raw_data: Vec<u8>) -> Value {
-        let name = format!("c{}", self.constants.len());
+        let constant = Value::Constant(self.constants.len());
         self.constants.push(Tensor {
             dims: shape.iter().map(|&n| n as i64).collect(),
             data_type,
-            name: name.clone(),
+            name: constant.name(),
             raw_data,
         });
-        name
+        constant
     }
 
     pub(super) fn finish(self, input: ValueInfo, output: Vec<ValueInfo>) -> Graph {

@@ -5,17 +5,21 @@
 //! 1 W/sr a channel; `cell`, i64 \[rows\]: the cell that answered. Rows of one cell are gathered,
 //! go through that cell's net together and are scattered back.
 
+mod expression;
 mod format;
 mod graph;
 
 use crate::ExportError;
+use expression::Expression;
 use format::{Entry, FLOAT, INT64, Model, OperatorSet};
 use graph::{Builder, Value, value_info};
 use prost::Message;
 use rrf_field::MAX_EXPONENT;
 use rrf_field::columns;
+use rrf_field::inputs;
 use rrf_field::model::CellModel;
 use rrf_field::tree::{LEAF, Tree};
+use std::cell::RefCell;
 use std::path::Path;
 
 const OPERATOR_SET: i64 = 17;
@@ -33,23 +37,23 @@ pub fn write(
 ) -> Result<(), ExportError> {
     crate::nets_only(cells)?;
     let mut g = Builder::default();
-    let raw: Value = "raw".into();
-    let cell = walk(&mut g, tree, &raw);
-    g.name(&cell, "cell");
-    let inputs = inputs(&mut g, &raw);
-    let base = columns_of(&mut g, &raw, columns::BASE, 3);
-    let (rows, three) = (row_count(&mut g, &raw), g.ints(&[1], &[3]));
-    let shape = g.op_int("Concat", &[&rows, &three], "axis", 0);
-    let mut rgb = g.zeros(&shape, FLOAT);
+    let raw = Value::Input;
+    let cell = walk(&mut g, tree, raw);
+    g.name(cell, "cell");
+    let inputs = all_inputs(&mut g, raw);
+    let base = columns_of(&mut g, raw, columns::BASE, 3);
+    let (rows, three) = (row_count(&mut g, raw), g.ints(&[1], &[3]));
+    let shape = g.op_int("Concat", &[rows, three], "axis", 0);
+    let mut rgb = g.zeros(shape, FLOAT);
     for model in cells {
-        rgb = one_cell(&mut g, model, &cell, &inputs, &base, &rgb)?;
+        rgb = one_cell(&mut g, model, cell, inputs, base, rgb)?;
     }
-    g.name(&rgb, "rgb");
+    g.name(rgb, "rgb");
     let outputs = vec![
         value_info("rgb", FLOAT, &[3]),
         value_info("cell", INT64, &[]),
     ];
-    let graph = g.finish(value_info("raw", FLOAT, &[columns::COUNT]), outputs);
+    let graph = g.finish(value_info(graph::INPUT, FLOAT, &[columns::COUNT]), outputs);
     let entry = |(key, value): &(&str, String)| Entry {
         key: key.to_string(),
         value: value.clone(),
@@ -69,14 +73,14 @@ pub fn write(
 }
 
 /// \[rows\], as a tensor of shape \[1\].
-fn row_count(g: &mut Builder, raw: &Value) -> Value {
+fn row_count(g: &mut Builder, raw: Value) -> Value {
     let shape = g.op("Shape", &[raw]);
     let first = g.ints(&[1], &[0]);
-    g.op("Gather", &[&shape, &first])
+    g.op("Gather", &[shape, first])
 }
 
 /// The cell of every row: as many steps as the tree is deep; a leaf leads to itself.
-fn walk(g: &mut Builder, tree: &Tree, raw: &Value) -> Value {
+fn walk(g: &mut Builder, tree: &Tree, raw: Value) -> Value {
     let nodes = tree.axis.len();
     let leaf = |i: usize| tree.axis[i] == LEAF;
     let each = |f: &dyn Fn(usize) -> i64| (0..nodes).map(f).collect::<Vec<i64>>();
@@ -102,19 +106,19 @@ fn walk(g: &mut Builder, tree: &Tree, raw: &Value) -> Value {
     let threshold = g.floats(&[nodes], &threshold);
     let one = g.ints(&[1], &[1]);
     let rows = row_count(g, raw);
-    let mut node = g.zeros(&rows, INT64);
+    let mut node = g.zeros(rows, INT64);
     for _ in 0..depth(tree) {
-        let column = g.op("Gather", &[&axis, &node]);
-        let column = g.op("Unsqueeze", &[&column, &one]);
-        let value = g.op_int("GatherElements", &[raw, &column], "axis", 1);
-        let value = g.op("Squeeze", &[&value, &one]);
-        let at = g.op("Gather", &[&threshold, &node]);
-        let right = g.op("GreaterOrEqual", &[&value, &at]);
-        let right = g.op_int("Cast", &[&right], "to", INT64.into());
-        let below = g.op("Gather", &[&left, &node]);
-        node = g.op("Add", &[&below, &right]);
+        let column = g.op("Gather", &[axis, node]);
+        let column = g.op("Unsqueeze", &[column, one]);
+        let value = g.op_int("GatherElements", &[raw, column], "axis", 1);
+        let value = g.op("Squeeze", &[value, one]);
+        let at = g.op("Gather", &[threshold, node]);
+        let right = g.op("GreaterOrEqual", &[value, at]);
+        let right = g.op_int("Cast", &[right], "to", INT64.into());
+        let below = g.op("Gather", &[left, node]);
+        node = g.op("Add", &[below, right]);
     }
-    g.op("Gather", &[&cell, &node])
+    g.op("Gather", &[cell, node])
 }
 
 /// Splits between the root and the deepest leaf.
@@ -131,38 +135,22 @@ fn depth(tree: &Tree) -> usize {
 }
 
 /// `count` columns from `first` on, \[rows, count\].
-fn columns_of(g: &mut Builder, raw: &Value, first: usize, count: usize) -> Value {
+fn columns_of(g: &mut Builder, raw: Value, first: usize, count: usize) -> Value {
     let places: Vec<i64> = (first..first + count).map(|c| c as i64).collect();
     let places = g.ints(&[count], &places);
-    g.op_int("Gather", &[raw, &places], "axis", 1)
+    g.op_int("Gather", &[raw, places], "axis", 1)
 }
 
-/// Raw and derived inputs in the order of `INPUTS`, as `rrf_field::derived::derive` has them.
-fn inputs(g: &mut Builder, raw: &Value) -> Value {
-    let [p, n, v, l] =
-        [columns::P, columns::N, columns::V, columns::L].map(|first| columns_of(g, raw, first, 3));
-    let axes = g.ints(&[1], &[1]);
-    let dot = |g: &mut Builder, a: &Value, b: &Value| {
-        let product = g.op("Mul", &[a, b]);
-        g.op("ReduceSum", &[&product, &axes])
-    };
-    let (zero, one, two) = (
-        g.floats(&[1], &[0.0]),
-        g.floats(&[1], &[1.0]),
-        g.floats(&[1], &[2.0]),
-    );
-    let to = g.op("Sub", &[&l, &p]);
-    let square = dot(g, &to, &to);
-    let distance = g.op("Sqrt", &[&square]);
-    let apart = g.op("Greater", &[&distance, &zero]);
-    let inverse = g.op("Div", &[&one, &distance]);
-    let inverse = g.op("Where", &[&apart, &inverse, &zero]);
-    let d = g.op("Mul", &[&to, &inverse]);
-    let (n_d, n_v, v_d) = (dot(g, &n, &d), dot(g, &n, &v), dot(g, &v, &d));
-    let both = g.op("Mul", &[&n_v, &n_d]);
-    let both = g.op("Mul", &[&both, &two]);
-    let mirror = g.op("Sub", &[&both, &v_d]);
-    let all = [raw, &d, &inverse, &mirror, &n_d, &n_v];
+/// Raw and derived inputs in the order of `rrf_field::inputs`, \[rows, inputs\].
+fn all_inputs(g: &mut Builder, raw: Value) -> Value {
+    let columns: [Value; inputs::RAW] = std::array::from_fn(|c| columns_of(g, raw, c, 1));
+    let graph = RefCell::new(std::mem::take(g));
+    let all = inputs::evaluate(columns.map(|value| Expression {
+        graph: &graph,
+        value,
+    }));
+    let all = all.map(|expression| expression.value);
+    *g = graph.into_inner();
     g.op_int("Concat", &all, "axis", 1)
 }
 
@@ -170,10 +158,10 @@ fn inputs(g: &mut Builder, raw: &Value) -> Value {
 fn one_cell(
     g: &mut Builder,
     model: &CellModel,
-    cell: &Value,
-    inputs: &Value,
-    base: &Value,
-    rgb: &Value,
+    cell: Value,
+    inputs: Value,
+    base: Value,
+    rgb: Value,
 ) -> Result<Value, ExportError> {
     let sizes = &model.shape.sizes;
     if model.weights.len() != model.shape.weights() || sizes.first() != Some(&model.inputs.len()) {
@@ -183,20 +171,20 @@ fn one_cell(
         });
     }
     let id = g.ints(&[1], &[model.cell.into()]);
-    let here = g.op("Equal", &[cell, &id]);
-    let places = g.op("NonZero", &[&here]);
+    let here = g.op("Equal", &[cell, id]);
+    let places = g.op("NonZero", &[here]);
     // [1, m] to [m, 1]
-    let places = g.op("Transpose", &[&places]);
+    let places = g.op("Transpose", &[places]);
     let one = g.ints(&[1], &[1]);
-    let rows = g.op("Squeeze", &[&places, &one]);
-    let mine = g.op("Gather", &[inputs, &rows]);
+    let rows = g.op("Squeeze", &[places, one]);
+    let mine = g.op("Gather", &[inputs, rows]);
     let columns: Vec<i64> = model.inputs.iter().map(|&i| i.into()).collect();
     let columns = g.ints(&[columns.len()], &columns);
-    let mut h = g.op_int("Gather", &[&mine, &columns], "axis", 1);
+    let mut h = g.op_int("Gather", &[mine, columns], "axis", 1);
     let offset = g.floats(&[model.input_offset.len()], &model.input_offset);
     let scale = g.floats(&[model.input_scale.len()], &model.input_scale);
-    h = g.op("Sub", &[&h, &offset]);
-    h = g.op("Mul", &[&h, &scale]);
+    h = g.op("Sub", &[h, offset]);
+    h = g.op("Mul", &[h, scale]);
     let layers = sizes.len() - 1;
     for (layer, start) in model.shape.offsets().into_iter().enumerate() {
         let (fan_in, units) = (sizes[layer], sizes[layer + 1]);
@@ -204,23 +192,23 @@ fn one_cell(
         let (bias, weight): (Vec<f32>, Vec<&[f32]>) = flat.map(|row| (row[0], &row[1..])).unzip();
         let weight = g.floats(&[units, fan_in], &weight.concat());
         let bias = g.floats(&[units], &bias);
-        h = g.op_int("Gemm", &[&h, &weight, &bias], "transB", 1);
+        h = g.op_int("Gemm", &[h, weight, bias], "transB", 1);
         if layer + 1 < layers {
-            h = g.op("Tanh", &[&h]);
+            h = g.op("Tanh", &[h]);
         }
     }
     if model.exponential {
         let most = g.floats(&[], &[MAX_EXPONENT]);
-        h = g.op("Min", &[&h, &most]);
-        h = g.op("Exp", &[&h]);
+        h = g.op("Min", &[h, most]);
+        h = g.op("Exp", &[h]);
     }
     let scale = g.floats(&[3], &model.output_scale);
     let offset = g.floats(&[3], &model.output_offset);
-    h = g.op("Mul", &[&h, &scale]);
-    h = g.op("Add", &[&h, &offset]);
+    h = g.op("Mul", &[h, scale]);
+    h = g.op("Add", &[h, offset]);
     if model.divide_base {
-        let base = g.op("Gather", &[base, &rows]);
-        h = g.op("Mul", &[&h, &base]);
+        let base = g.op("Gather", &[base, rows]);
+        h = g.op("Mul", &[h, base]);
     }
-    Ok(g.op("ScatterND", &[rgb, &places, &h]))
+    Ok(g.op("ScatterND", &[rgb, places, h]))
 }

@@ -5,9 +5,9 @@ pub mod probes;
 pub mod quadratic;
 
 use crate::columns::{self, Columns};
-use crate::kind::Kind;
-use crate::lights::Light;
-use crate::model::{self, CellModel};
+use crate::inputs;
+use crate::light::Light;
+use crate::model::{CellModel, Kind};
 use nearest::Nearest;
 use probes::{Grid, Probes};
 use quadratic::Quadratic;
@@ -98,7 +98,7 @@ impl Baseline {
         let scales = self.offset.iter().zip(&self.scale);
         let column = |(&input, (&offset, &scale)): (&u8, (&f32, &f32))| {
             let mut column = Vec::new();
-            model::fill(input, rows, &mut column);
+            inputs::fill(input, rows, &mut column);
             column.iter_mut().for_each(|x| *x = (*x - offset) * scale);
             column
         };

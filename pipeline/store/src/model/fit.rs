@@ -2,16 +2,17 @@
 //! row each, `weights.arrow` and `metrics.arrow`, beside the fit's course, `steps.arrow`. The
 //! weights come last: a fit that has them is whole.
 
-use super::{CellMetrics, Domain, metrics, read, source, weights, write};
+use super::{CellMetrics, path_in, read, read_batch, rows, source, weights};
+use super::{write, write_models};
 use crate::error::StoreError;
+use crate::facts::{KEY_TASK, fact};
 use crate::manifest::RunFacts;
 use crate::schema::Table;
-use arrow::array::RecordBatch;
 use rrf_field::columns::COUNT;
 use rrf_field::model::CellModel;
-use std::path::{Path, PathBuf};
+use rrf_field::tree::Domain;
+use std::path::Path;
 
-const KEY_TASK: &str = "rrf.task";
 const KEY_SPAN: &str = "rrf.span";
 
 /// A cell's fit.
@@ -32,17 +33,20 @@ pub struct Fit {
 /// # Errors
 /// [`StoreError::Model`] for what could not be read back, [`StoreError::Io`].
 pub fn write_fit(folder: &Path, fit: &Fit, facts: &RunFacts) -> Result<(), StoreError> {
-    let path = table_path(folder, Table::Metrics);
-    let batch = metrics::to_batch(std::slice::from_ref(&fit.metrics))?;
-    write(&path, Table::Metrics, batch, facts)?;
-    let path = table_path(folder, Table::Weights);
-    let mut batch = weights::to_batch(std::slice::from_ref(&fit.model), &path)?;
-    let metadata = batch.schema_metadata_mut();
-    metadata.insert(KEY_TASK.to_string(), fit.task.clone());
-    if let Some(domain) = &fit.domain {
-        metadata.insert(KEY_SPAN.to_string(), span_text(domain));
-    }
-    write(&path, Table::Weights, batch, facts)
+    write(
+        &path_in(folder, Table::Metrics),
+        &[&fit.metrics],
+        facts,
+        &[],
+    )?;
+    let mut more = vec![(KEY_TASK, fit.task.clone())];
+    more.extend(
+        fit.domain
+            .iter()
+            .map(|domain| (KEY_SPAN, span_text(domain))),
+    );
+    let models = std::slice::from_ref(&fit.model);
+    write_models(&path_in(folder, Table::Weights), models, facts, &more)
 }
 
 /// Hash of what the fit in a folder was made from; `None` where there is no whole fit.
@@ -50,10 +54,12 @@ pub fn write_fit(folder: &Path, fit: &Fit, facts: &RunFacts) -> Result<(), Store
 /// # Errors
 /// As [`read_fit`].
 pub fn fit_task(folder: &Path, facts: &RunFacts) -> Result<Option<String>, StoreError> {
-    if !table_path(folder, Table::Weights).exists() {
+    let path = path_in(folder, Table::Weights);
+    if !path.exists() {
         return Ok(None);
     }
-    Ok(Some(fact(&weights_batch(folder, facts)?, KEY_TASK)))
+    let batch = read_batch(&path, Table::Weights, facts)?;
+    Ok(Some(fact(batch.schema_ref(), KEY_TASK)))
 }
 
 /// Reads a fit.
@@ -61,52 +67,36 @@ pub fn fit_task(folder: &Path, facts: &RunFacts) -> Result<Option<String>, Store
 /// # Errors
 /// As [`super::read_tree`].
 pub fn read_fit(folder: &Path, facts: &RunFacts) -> Result<Fit, StoreError> {
-    let path = table_path(folder, Table::Weights);
-    let batch = weights_batch(folder, facts)?;
-    let span = fact(&batch, KEY_SPAN);
+    let path = path_in(folder, Table::Weights);
+    let source = source(&path, Table::Weights);
+    let batch = read_batch(&path, Table::Weights, facts)?;
+    let span = fact(batch.schema_ref(), KEY_SPAN);
     let domain = match span.is_empty() {
         true => None,
-        false => Some(span_value(&span).ok_or_else(|| {
-            source(&path, Table::Weights).model("metadata".into(), "rrf.span is no list of numbers")
-        })?),
+        false => Some(
+            span_value(&span)
+                .ok_or_else(|| source.model("metadata".into(), "rrf.span is no list of numbers"))?,
+        ),
     };
-    let task = fact(&batch, KEY_TASK);
-    let models = weights::from_batch(&batch, source(&path, Table::Weights))?;
-    let metrics_path = table_path(folder, Table::Metrics);
-    let metrics = metrics::from_batch(
-        &read(&metrics_path, Table::Metrics, facts)?,
-        source(&metrics_path, Table::Metrics),
-    )?;
+    let models = weights::from_rows(rows(&batch, &path)?, source)?;
+    let metrics: Vec<CellMetrics> = read(&path_in(folder, Table::Metrics), facts)?;
     match (<[_; 1]>::try_from(models), <[_; 1]>::try_from(metrics)) {
         (Ok([model]), Ok([metrics])) if model.cell == metrics.cell_id => Ok(Fit {
             model,
             metrics,
             domain,
-            task,
+            task: fact(batch.schema_ref(), KEY_TASK),
         }),
-        _ => Err(source(&path, Table::Weights).model(
+        _ => Err(source.model(
             "fit".into(),
             "weights and metrics are not one row each of the same cell",
         )),
     }
 }
 
-fn weights_batch(folder: &Path, facts: &RunFacts) -> Result<RecordBatch, StoreError> {
-    read(&table_path(folder, Table::Weights), Table::Weights, facts)
-}
-
-pub(super) fn table_path(folder: &Path, table: Table) -> PathBuf {
-    folder.join(format!("{}.arrow", table.name()))
-}
-
-fn fact(batch: &RecordBatch, key: &str) -> String {
-    let schema = batch.schema();
-    schema.metadata().get(key).cloned().unwrap_or_default()
-}
-
 /// The bits of every bound, least values first: exact, whatever reads it.
 fn span_text(domain: &Domain) -> String {
-    let bounds = domain.min.iter().chain(&domain.max);
+    let bounds = domain.minimum.iter().chain(&domain.maximum);
     let words: Vec<String> = bounds.map(|x| format!("{:08x}", x.to_bits())).collect();
     words.join(" ")
 }
@@ -117,9 +107,9 @@ fn span_value(text: &str) -> Option<Domain> {
         .map(|word| u32::from_str_radix(word, 16).ok().map(f32::from_bits))
         .collect();
     let bounds = bounds.filter(|b| b.len() == 2 * COUNT)?;
-    let (min, max) = bounds.split_at(COUNT);
+    let (minimum, maximum) = bounds.split_at(COUNT);
     Some(Domain {
-        min: min.try_into().ok()?,
-        max: max.try_into().ok()?,
+        minimum: minimum.try_into().ok()?,
+        maximum: maximum.try_into().ok()?,
     })
 }

@@ -1,13 +1,49 @@
 //! `model/metrics.arrow`.
 
-use crate::columns::Source;
 use crate::error::StoreError;
-use crate::schema::{self, Table};
-use arrow::array::{Array, ArrayRef, ArrowPrimitiveType, AsArray, PrimitiveArray};
-use arrow::array::{RecordBatch, StringArray};
-use arrow::datatypes::{Float64Type, UInt32Type, UInt64Type};
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use crate::table::{Arrays, Field, Rows};
+use crate::table_row;
+
+table_row! {
+    /// How the fit of one cell went, as in `schemas/metrics.toml`.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct CellMetrics of Metrics {
+        /// The cell.
+        pub cell_id: u32,
+        /// Round of the bake that fitted it, from 0.
+        pub round: u32,
+        /// Rows of the cell in `samples/`.
+        pub rows: u64,
+        /// Rows that the fit used.
+        pub train_rows: u64,
+        /// Rows held out to choose the best weights.
+        pub validation_rows: u64,
+        /// Rows left out because a value is not finite or not possible.
+        pub quarantined_rows: u64,
+        /// Accepted Levenberg-Marquardt steps.
+        pub iterations: u32,
+        /// Why the fit stopped.
+        pub stop_reason: String,
+        /// Error on the training rows; `None` without such rows.
+        pub train: Option<SquareError>,
+        /// Error on the rows held out; `None` without such rows.
+        pub validation: Option<SquareError>,
+        /// Relative standard error of the targets, from their halves; `None` without rows.
+        pub noise: Option<f64>,
+        /// Trace of J (JᵀJ + αI)⁻¹ Jᵀ; `None` where not computed.
+        pub effective_parameters: Option<f64>,
+        /// Weight decay.
+        pub alpha: f64,
+        /// Damping at the end.
+        pub damping: f64,
+        /// How many weights the net has.
+        pub weights: u32,
+        /// Seed of the run.
+        pub seed: u64,
+        /// Where its net meets others; `None` in a single fit, which knows no neighbours.
+        pub seams: Option<Seams>,
+    }
+}
 
 /// A mean relative square error with the Monte Carlo noise taken out, so that it may be negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,214 +89,96 @@ pub struct Seams {
     pub change: Option<Spread>,
 }
 
-/// How the fit of one cell went, as in `schemas/metrics.toml`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CellMetrics {
-    /// The cell.
-    pub cell_id: u32,
-    /// Round of the bake that fitted it, from 0.
-    pub round: u32,
-    /// Rows of the cell in `samples/`.
-    pub rows: u64,
-    /// Rows that the fit used.
-    pub train_rows: u64,
-    /// Rows held out to choose the best weights.
-    pub validation_rows: u64,
-    /// Rows left out because a value is not finite or not possible.
-    pub quarantined_rows: u64,
-    /// Accepted Levenberg-Marquardt steps.
-    pub iterations: u32,
-    /// Why the fit stopped.
-    pub stop_reason: String,
-    /// Error on the training rows; `None` without such rows.
-    pub train: Option<SquareError>,
-    /// Error on the rows held out; `None` without such rows.
-    pub validation: Option<SquareError>,
-    /// Relative standard error of the targets, from their halves; `None` without rows.
-    pub noise: Option<f64>,
-    /// Trace of J (JᵀJ + αI)⁻¹ Jᵀ; `None` where not computed.
-    pub effective_parameters: Option<f64>,
-    /// Weight decay.
-    pub alpha: f64,
-    /// Damping at the end.
-    pub damping: f64,
-    /// How many weights the net has.
-    pub weights: u32,
-    /// Seed of the run.
-    pub seed: u64,
-    /// Where its net meets others; `None` in a single fit, which knows no neighbours.
-    pub seams: Option<Seams>,
+/// Four columns, of which the relative error and its standard error are for people.
+impl Field for Option<SquareError> {
+    fn write(name: &str, values: &[&Self], to: &mut Arrays) {
+        let columns: [(String, fn(SquareError) -> f64); 4] = [
+            (format!("relative_error_{name}"), |e| e.relative().0),
+            (format!("relative_error_{name}_se"), |e| e.relative().1),
+            (format!("relative_square_error_{name}"), |e| e.mean),
+            (format!("relative_square_error_{name}_se"), |e| e.se),
+        ];
+        for (name, get) in columns {
+            write_each(&name, values, get, to);
+        }
+    }
+
+    fn read(name: &str, from: &Rows) -> Result<Vec<Self>, StoreError> {
+        let mean = format!("relative_square_error_{name}");
+        let both = read_both(&mean, &format!("{mean}_se"), from)?;
+        Ok(both
+            .map(|both| both.map(|(mean, se)| SquareError { mean, se }))
+            .collect())
+    }
 }
 
-const ERRORS: [[&str; 4]; 2] = [
-    [
-        "relative_error_train",
-        "relative_error_train_se",
-        "relative_square_error_train",
-        "relative_square_error_train_se",
-    ],
-    [
-        "relative_error_validation",
-        "relative_error_validation_se",
-        "relative_square_error_validation",
-        "relative_square_error_validation_se",
-    ],
-];
-
-const JUMP: [&str; 2] = ["seam_jump", "seam_jump_median"];
-const CHANGE: [&str; 2] = ["seam_change", "seam_change_median"];
-
-pub(super) fn to_batch(cells: &[CellMetrics]) -> Result<RecordBatch, StoreError> {
-    let mut cells: Vec<&CellMetrics> = cells.iter().collect();
-    cells.sort_by_key(|cell| cell.cell_id);
-    let cells = cells.as_slice();
-    let stop: StringArray = cells.iter().map(|c| Some(c.stop_reason.as_str())).collect();
-    let mut arrays: BTreeMap<&str, ArrayRef> = BTreeMap::from([
-        ("cell_id", values::<UInt32Type>(cells, |c| c.cell_id)),
-        ("round", values::<UInt32Type>(cells, |c| c.round)),
-        ("rows", values::<UInt64Type>(cells, |c| c.rows)),
-        ("train_rows", values::<UInt64Type>(cells, |c| c.train_rows)),
-        (
-            "validation_rows",
-            values::<UInt64Type>(cells, |c| c.validation_rows),
-        ),
-        (
-            "quarantined_rows",
-            values::<UInt64Type>(cells, |c| c.quarantined_rows),
-        ),
-        ("iterations", values::<UInt32Type>(cells, |c| c.iterations)),
-        ("stop_reason", Arc::new(stop) as _),
-        ("noise", options(cells, |c| c.noise)),
-        (
-            "effective_parameters",
-            options(cells, |c| c.effective_parameters),
-        ),
-        ("alpha", values::<Float64Type>(cells, |c| c.alpha)),
-        ("damping", values::<Float64Type>(cells, |c| c.damping)),
-        ("weights", values::<UInt32Type>(cells, |c| c.weights)),
-        ("seed", values::<UInt64Type>(cells, |c| c.seed)),
-    ]);
-    let which: [fn(&CellMetrics) -> Option<SquareError>; 2] = [|c| c.train, |c| c.validation];
-    for (names, get) in ERRORS.iter().zip(which) {
-        let [error, error_se, square, square_se] = *names;
-        arrays.insert(error, options(cells, |c| get(c).map(|e| e.relative().0)));
-        arrays.insert(error_se, options(cells, |c| get(c).map(|e| e.relative().1)));
-        arrays.insert(square, options(cells, |c| get(c).map(|e| e.mean)));
-        arrays.insert(square_se, options(cells, |c| get(c).map(|e| e.se)));
+/// The root mean square under the field's name, the median beside it.
+impl Field for Option<Spread> {
+    fn write(name: &str, values: &[&Self], to: &mut Arrays) {
+        write_each(name, values, |spread| spread.rms, to);
+        write_each(
+            &format!("{name}_median"),
+            values,
+            |spread| spread.median,
+            to,
+        );
     }
-    let rows: PrimitiveArray<UInt32Type> = cells.iter().map(|c| Some(c.seams?.rows)).collect();
-    arrays.insert("seam_rows", Arc::new(rows));
-    let which: [fn(&CellMetrics) -> Option<Spread>; 2] = [|c| c.seams?.jump, |c| c.seams?.change];
-    for ([rms, median], get) in [JUMP, CHANGE].into_iter().zip(which) {
-        arrays.insert(rms, options(cells, |c| Some(get(c)?.rms)));
-        arrays.insert(median, options(cells, |c| Some(get(c)?.median)));
+
+    fn read(name: &str, from: &Rows) -> Result<Vec<Self>, StoreError> {
+        let both = read_both(name, &format!("{name}_median"), from)?;
+        Ok(both
+            .map(|both| both.map(|(rms, median)| Spread { rms, median }))
+            .collect())
     }
-    schema::table(Table::Metrics)?.batch(arrays)
 }
 
-fn values<T: ArrowPrimitiveType>(
-    cells: &[&CellMetrics],
-    get: impl Fn(&CellMetrics) -> T::Native,
-) -> ArrayRef {
-    let values = cells.iter().map(|&cell| get(cell));
-    Arc::new(PrimitiveArray::<T>::from_iter_values(values))
-}
+const SEAM_ROWS: &str = "seam_rows";
+const SEAM_JUMP: &str = "seam_jump";
+const SEAM_CHANGE: &str = "seam_change";
 
-fn options(cells: &[&CellMetrics], get: impl Fn(&CellMetrics) -> Option<f64>) -> ArrayRef {
-    let values: PrimitiveArray<Float64Type> = cells.iter().map(|&cell| get(cell)).collect();
-    Arc::new(values)
-}
-
-pub(super) fn from_batch(
-    batch: &RecordBatch,
-    source: Source,
-) -> Result<Vec<CellMetrics>, StoreError> {
-    let rows = Rows { batch, source };
-    (0..batch.num_rows()).map(|row| rows.cell(row)).collect()
-}
-
-struct Rows<'a> {
-    batch: &'a RecordBatch,
-    source: Source<'a>,
-}
-
-impl Rows<'_> {
-    fn cell(&self, row: usize) -> Result<CellMetrics, StoreError> {
-        let u32 = |name| self.value::<UInt32Type>(name, row);
-        let u64 = |name| self.value::<UInt64Type>(name, row);
-        let f64 = |name| self.value::<Float64Type>(name, row);
-        Ok(CellMetrics {
-            cell_id: u32("cell_id")?,
-            round: u32("round")?,
-            rows: u64("rows")?,
-            train_rows: u64("train_rows")?,
-            validation_rows: u64("validation_rows")?,
-            quarantined_rows: u64("quarantined_rows")?,
-            iterations: u32("iterations")?,
-            stop_reason: self.text("stop_reason", row)?,
-            train: self.square(ERRORS[0], row)?,
-            validation: self.square(ERRORS[1], row)?,
-            noise: self.option::<Float64Type>("noise", row)?,
-            effective_parameters: self.option::<Float64Type>("effective_parameters", row)?,
-            alpha: f64("alpha")?,
-            damping: f64("damping")?,
-            weights: u32("weights")?,
-            seed: u64("seed")?,
-            seams: self.seams(row)?,
-        })
+impl Field for Option<Seams> {
+    fn write(_: &str, values: &[&Self], to: &mut Arrays) {
+        let rows: Vec<Option<u32>> = values
+            .iter()
+            .map(|seams| Some(seams.as_ref()?.rows))
+            .collect();
+        Field::write(SEAM_ROWS, &rows.iter().collect::<Vec<_>>(), to);
+        let spreads: [(&str, fn(&Seams) -> Option<Spread>); 2] = [
+            (SEAM_JUMP, |seams| seams.jump),
+            (SEAM_CHANGE, |seams| seams.change),
+        ];
+        for (name, get) in spreads {
+            let spreads: Vec<Option<Spread>> =
+                values.iter().map(|seams| get(seams.as_ref()?)).collect();
+            Field::write(name, &spreads.iter().collect::<Vec<_>>(), to);
+        }
     }
 
-    fn value<T: ArrowPrimitiveType>(
-        &self,
-        name: &str,
-        row: usize,
-    ) -> Result<T::Native, StoreError> {
-        let value = self.option::<T>(name, row)?;
-        value.ok_or_else(|| self.source.null(name, row))
-    }
-
-    fn option<T: ArrowPrimitiveType>(
-        &self,
-        name: &str,
-        row: usize,
-    ) -> Result<Option<T::Native>, StoreError> {
-        let array = self.source.nullable::<T>(self.batch, name)?;
-        Ok((!array.is_null(row)).then(|| array.value(row)))
-    }
-
-    /// Two columns of which a row has both or none.
-    fn both(&self, [a, b]: [&str; 2], row: usize) -> Result<Option<(f64, f64)>, StoreError> {
-        let a = self.option::<Float64Type>(a, row)?;
-        Ok(a.zip(self.option::<Float64Type>(b, row)?))
-    }
-
-    fn square(&self, names: [&str; 4], row: usize) -> Result<Option<SquareError>, StoreError> {
-        let [_, _, mean, se] = names;
-        let both = self.both([mean, se], row)?;
-        Ok(both.map(|(mean, se)| SquareError { mean, se }))
-    }
-
-    fn seams(&self, row: usize) -> Result<Option<Seams>, StoreError> {
-        let spread = |names| -> Result<Option<Spread>, StoreError> {
-            let both = self.both(names, row)?;
-            Ok(both.map(|(rms, median)| Spread { rms, median }))
+    fn read(_: &str, from: &Rows) -> Result<Vec<Self>, StoreError> {
+        let rows: Vec<Option<u32>> = Field::read(SEAM_ROWS, from)?;
+        let jumps: Vec<Option<Spread>> = Field::read(SEAM_JUMP, from)?;
+        let changes: Vec<Option<Spread>> = Field::read(SEAM_CHANGE, from)?;
+        let each = rows.into_iter().zip(jumps).zip(changes);
+        let seams = |((rows, jump), change): ((Option<u32>, _), _)| {
+            rows.map(|rows| Seams { rows, jump, change })
         };
-        let Some(rows) = self.option::<UInt32Type>("seam_rows", row)? else {
-            return Ok(None);
-        };
-        Ok(Some(Seams {
-            rows,
-            jump: spread(JUMP)?,
-            change: spread(CHANGE)?,
-        }))
+        Ok(each.map(seams).collect())
     }
+}
 
-    fn text(&self, name: &str, row: usize) -> Result<String, StoreError> {
-        let array = self.source.array(self.batch, name)?;
-        let strings = array.as_string_opt::<i32>();
-        let strings =
-            strings.ok_or_else(|| self.source.schema_error(format!("column {name}: not utf8")))?;
-        let value = (!strings.is_null(row)).then(|| strings.value(row).to_string());
-        value.ok_or_else(|| self.source.null(name, row))
-    }
+/// A column of one number of each value, null without a value.
+fn write_each<T: Copy>(name: &str, values: &[&Option<T>], get: fn(T) -> f64, to: &mut Arrays) {
+    let numbers: Vec<Option<f64>> = values.iter().map(|value| value.map(get)).collect();
+    Field::write(name, &numbers.iter().collect::<Vec<_>>(), to);
+}
+
+/// Two columns of which a row has both or none.
+fn read_both(
+    a: &str,
+    b: &str,
+    from: &Rows,
+) -> Result<impl Iterator<Item = Option<(f64, f64)>> + use<>, StoreError> {
+    let a: Vec<Option<f64>> = Field::read(a, from)?;
+    let b: Vec<Option<f64>> = Field::read(b, from)?;
+    Ok(a.into_iter().zip(b).map(|(a, b)| a.zip(b)))
 }

@@ -1,7 +1,9 @@
 //! The text of a schema file and what it becomes.
 
-use super::{Column, KEY_SCHEMA, KEY_VERSION, TABLES, Table, TableSchema};
+use super::contract::{Column, KEY_SCHEMA, KEY_VERSION, TableSchema};
+use super::tables::{TABLES, Table};
 use arrow::datatypes::{DataType, Field, Schema};
+use rrf_field::inputs::{INPUTS, Input, RAW};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -15,7 +17,24 @@ struct Text {
     file: String,
     extends: Option<String>,
     doc: String,
-    column: Vec<Column>,
+    column: Vec<Entry>,
+}
+
+/// A column, or in its place the raw columns of a row, which `rrf_field::inputs` describes.
+#[derive(Debug, serde::Deserialize)]
+#[serde(untagged)]
+enum Entry {
+    Column(Column),
+    Raw { raw: Raw },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Raw {
+    /// All of them.
+    All,
+    /// Those in the world frame: point, normal, viewer and light.
+    World,
 }
 
 /// Reads and lowers one schema file.
@@ -35,7 +54,12 @@ pub(super) fn parse(table: Table) -> Result<TableSchema, String> {
         }
     };
     let inherited = columns.len();
-    columns.extend(text.column);
+    for entry in text.column {
+        match entry {
+            Entry::Column(column) => columns.push(column),
+            Entry::Raw { raw } => columns.extend(raw_columns(raw)),
+        }
+    }
     let mut fields = Vec::with_capacity(columns.len());
     for (i, column) in columns.iter().enumerate() {
         if columns.iter().take(i).any(|c| c.name == column.name) {
@@ -59,6 +83,19 @@ pub(super) fn parse(table: Table) -> Result<TableSchema, String> {
         columns,
         inherited,
         arrow: Arc::new(arrow),
+    })
+}
+
+/// The raw columns of a row.
+fn raw_columns(which: Raw) -> impl Iterator<Item = Column> {
+    let wanted = move |input: &&Input| which == Raw::All || input.frame == "world";
+    INPUTS[..RAW].iter().filter(wanted).map(|input| Column {
+        name: input.name.into(),
+        type_name: "float32".into(),
+        unit: input.unit.into(),
+        frame: input.frame.into(),
+        nullable: false,
+        meaning: input.meaning.into(),
     })
 }
 

@@ -5,8 +5,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use rrf_store::Limits;
 use rrf_store::StoreError;
-use rrf_store::guard::Limits;
 use rrf_store::layout::{fit_folder, part_path};
 use rrf_store::manifest::RunManifest;
 use rrf_store::model::{

@@ -2,8 +2,8 @@
 
 use crate::{frugally, made};
 use arrow::ipc::{Block, root_as_footer};
+use rrf_store::Limits;
 use rrf_store::StoreError;
-use rrf_store::guard::Limits;
 use rrf_store::layout::part_path;
 use rrf_store::parts::write_part;
 use rrf_store::points::read_points;

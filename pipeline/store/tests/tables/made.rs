@@ -3,9 +3,9 @@
 use rrf_field::columns::{COUNT, Columns};
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
-use rrf_field::tree::Tree;
+use rrf_field::tree::{Domain, Tree};
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
-use rrf_store::model::{CellMetrics, Domain, FitStep, ModelTree, Seams, Spread, SquareError};
+use rrf_store::model::{CellMetrics, FitStep, ModelTree, Seams, Spread, SquareError};
 use rrf_store::samples::SampleTable;
 
 /// A number in [0, 1) from a counter (splitmix64).
@@ -83,8 +83,8 @@ pub fn tree() -> ModelTree {
     for (node, cell) in tree.leaves().collect::<Vec<_>>() {
         // The last cell's domain stays unknown.
         tree.domains[node] = (cell != 2).then(|| Domain {
-            min: row(u64::from(cell)).map(|x| x - 1.0),
-            max: row(u64::from(cell)),
+            minimum: row(u64::from(cell)).map(|x| x - 1.0),
+            maximum: row(u64::from(cell)),
         });
     }
     tree
@@ -167,7 +167,7 @@ pub fn steps() -> Vec<FitStep> {
         step: n,
         residuals: 3 * u64::from(n),
         cost: (n != 2).then(|| 1.0 / f64::from(n)),
-        square_error: (n != 3).then(|| 0.01 - 0.004 * f64::from(n)),
+        relative_square_error: (n != 3).then(|| 0.01 - 0.004 * f64::from(n)),
         damping: 10f64.powi(-(n as i32)),
         gain: (n != 2).then_some(0.75),
     };

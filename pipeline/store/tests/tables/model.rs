@@ -92,7 +92,7 @@ fn trees_that_do_not_end_are_refused() {
             t.tree.cell[2] = 9;
         }),
         ("upside down", |t| {
-            t.domains[1].as_mut().unwrap().min[3] = f32::INFINITY
+            t.domains[1].as_mut().unwrap().minimum[3] = f32::INFINITY
         }),
     ];
     for (wanted, spoil) in spoil {

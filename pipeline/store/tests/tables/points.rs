@@ -7,8 +7,8 @@ use arrow::array::{
 };
 use arrow::datatypes::{Field, Float32Type, Schema};
 use rrf_field::columns::{GEOMETRY, NAMES};
+use rrf_store::Limits;
 use rrf_store::StoreError;
-use rrf_store::guard::Limits;
 use rrf_store::points::{read_points, write_points};
 use rrf_store::schema::Table;
 use std::collections::BTreeMap;

@@ -6,16 +6,14 @@ use crate::error::TrainError;
 use crate::rows::order::OrderedRows;
 use crate::rows::units::Input;
 use rrf_field::columns;
-use rrf_field::model::{self, INPUTS};
+use rrf_field::inputs::{self, INPUTS, NAMES};
 use std::ops::Range;
 
 /// Whether the light over the base colour of a Lambertian point can depend on an input: not on
 /// the viewer, not on the material.
 fn matters_to_lambert(id: u8) -> bool {
-    let column = usize::from(id);
-    let viewer = (columns::V..columns::L).contains(&column)
-        || matches!(INPUTS.get(column), Some(&"mirror_light" | &"cos_view"));
-    !viewer && !(columns::BASE..columns::COUNT).contains(&column)
+    let (viewer, material) = (columns::V..columns::L, columns::BASE..columns::COUNT);
+    !inputs::depends_on(id, viewer) && !inputs::depends_on(id, material)
 }
 
 /// Inputs named in the configuration that a cell gets, in its order, and those that it does without.
@@ -49,10 +47,9 @@ pub(crate) fn redundant(
 
 fn input_ids(config: &TrainConfig) -> Result<Vec<u8>, TrainError> {
     let find = |name: &String| {
-        let place = INPUTS.iter().position(|known| known == name);
-        place.map(|p| p as u8).ok_or_else(|| TrainError::Input {
+        inputs::place(name).ok_or_else(|| TrainError::Input {
             name: name.clone(),
-            known: INPUTS.join(", "),
+            known: NAMES.join(", "),
         })
     };
     config.inputs.iter().map(find).collect()
@@ -62,7 +59,7 @@ fn input_ids(config: &TrainConfig) -> Result<Vec<u8>, TrainError> {
 fn each_value(id: u8, rows: &OrderedRows, range: Range<usize>, mut see: impl FnMut(f64)) {
     let mut values = Vec::new();
     rows.each(range, |chunk, rows| {
-        model::fill(id, &chunk.columns, &mut values);
+        inputs::fill(id, &chunk.columns, &mut values);
         values[rows].iter().for_each(|x| see(f64::from(*x)));
     });
 }
@@ -142,10 +139,6 @@ fn usual(id: u8, rows: &OrderedRows, train: Range<usize>) -> f64 {
 
 /// Coordinates of one vector in one unit; every other input stands alone.
 fn same_family(a: u8, b: u8) -> bool {
-    let family = |id: u8| match id as usize {
-        i @ 0..15 => i / 3,
-        18..21 => 100,
-        i => 200 + i,
-    };
-    family(a) == family(b)
+    let vector = |id: u8| INPUTS.get(usize::from(id)).map(|input| input.vector);
+    vector(a) == vector(b)
 }

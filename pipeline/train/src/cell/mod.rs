@@ -38,7 +38,7 @@ pub(crate) struct Cell<'a> {
     pub validation: CellRows<'a>,
     /// Rows left out because a number in them is not finite, by place in the cell.
     pub quarantined: Vec<u32>,
-    /// Inputs that the model does without, as places in `rrf_field::model::INPUTS`.
+    /// Inputs that the model does without, as places in `rrf_field::inputs::INPUTS`.
     pub dropped_inputs: Vec<u8>,
     /// A net to go on from.
     pub earlier: Option<&'a CellModel>,

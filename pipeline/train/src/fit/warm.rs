@@ -8,7 +8,8 @@ use super::initialization::random_weights;
 use crate::cell::Cell;
 use crate::rows::chunk::Chunk;
 use rrf_field::columns::Columns;
-use rrf_field::model::{self, CellModel, Kind};
+use rrf_field::inputs;
+use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 
 /// First weights of a net of `shape` that goes on from the cell's earlier one, if there is one
@@ -20,7 +21,7 @@ pub(crate) fn earlier_weights(cell: &Cell, shape: &Shape) -> Option<Vec<f64>> {
     one.push(cell.raw.show(0, 1, row));
     let value = |id: u8| {
         let mut values = Vec::new();
-        model::fill(id, &one, &mut values);
+        inputs::fill(id, &one, &mut values);
         values.first().copied().unwrap_or(f32::NAN)
     };
     let to = cell.model(Kind::Net, shape.clone(), Vec::new());

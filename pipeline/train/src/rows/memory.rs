@@ -4,7 +4,7 @@ use super::chunk::Chunk;
 use super::units::{Input, Units, channel_mean};
 use crate::net::simd::TILE;
 use crate::net::tile::{Batch, CHANNELS, Rows};
-use rrf_field::model;
+use rrf_field::inputs;
 use std::ops::Range;
 
 /// Rows in memory, in a net's units.
@@ -21,7 +21,7 @@ impl MemoryRows {
     pub fn new(chunk: &Chunk, rows: Range<usize>, units: &Units) -> MemoryRows {
         let mut values = Vec::new();
         let mut scaled = |input: &Input| -> Vec<f32> {
-            model::fill(input.id, &chunk.columns, &mut values);
+            inputs::fill(input.id, &chunk.columns, &mut values);
             let values = &values[rows.clone()];
             let scaled = values.iter().map(|x| (x - input.offset) * input.scale);
             scaled.collect()

@@ -2,7 +2,7 @@
 
 use crate::error::TrainError;
 use rrf_field::columns::{self, Columns};
-use rrf_field::model;
+use rrf_field::inputs;
 
 /// A cell's samples as they come in.
 #[derive(Clone, Copy)]
@@ -50,7 +50,7 @@ pub(crate) fn unusable(samples: &Samples, ids: &[u8], divide_base: bool) -> Vec<
     let mut unusable: Vec<bool> = (0..samples.rows.len()).map(bad).collect();
     let mut values = Vec::new();
     for &id in ids {
-        model::fill(id, samples.rows, &mut values);
+        inputs::fill(id, samples.rows, &mut values);
         for (bad, x) in unusable.iter_mut().zip(&values) {
             *bad |= !x.is_finite();
         }

@@ -5,7 +5,7 @@ use crate::net::tile::CHANNELS;
 /// An input and its scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// Place in `rrf_field::model::INPUTS`.
+    /// Place in `rrf_field::inputs::INPUTS`.
     pub id: u8,
     /// Mean over the training rows.
     pub offset: f32,

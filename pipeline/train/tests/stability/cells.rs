@@ -1,7 +1,8 @@
 //! Synthetic cells: a plane under a light, seen from anywhere.
 
 use rrf_field::columns::{self, Columns};
-use rrf_field::model::{self, CellModel};
+use rrf_field::inputs;
+use rrf_field::model::CellModel;
 use rrf_field::net;
 use rrf_field::rng::{Stage, Stream};
 use rrf_train::{CellFit, TrainConfig, fit_cell};
@@ -99,7 +100,7 @@ impl Cell {
         for ((id, offset), scale) in
             (model.inputs.iter().zip(&model.input_offset)).zip(&model.input_scale)
         {
-            model::fill(*id, &self.columns, &mut column);
+            inputs::fill(*id, &self.columns, &mut column);
             x.push(f64::from((column[row] - offset) * scale));
         }
         let w: Vec<f64> = model.weights.iter().map(|w| f64::from(*w)).collect();
@@ -152,7 +153,7 @@ pub fn names(ids: &[u8]) -> Vec<&'static str> {
     let mut ids = ids.to_vec();
     ids.sort_unstable();
     ids.iter()
-        .map(|&id| model::INPUTS[usize::from(id)])
+        .map(|&id| inputs::NAMES[usize::from(id)])
         .collect()
 }
 

@@ -1,0 +1,54 @@
+//! Arrow IPC files: made in memory, written whole; read without trusting them.
+
+use super::arrow_check;
+use super::guard::{Guard, Limits};
+use crate::atomic::atomic_write;
+use crate::error::StoreError;
+use arrow::array::RecordBatch;
+use arrow::compute::concat_batches;
+use arrow::error::ArrowError;
+use arrow::ipc::reader::FileReader;
+use arrow::ipc::writer::FileWriter;
+use std::io::Cursor;
+use std::path::Path;
+
+/// The bytes of an Arrow IPC file of one batch, not compressed.
+pub(crate) fn encode(batch: &RecordBatch) -> Result<Vec<u8>, ArrowError> {
+    let mut writer = FileWriter::try_new(Vec::new(), &batch.schema())?;
+    writer.write(batch)?;
+    writer.into_inner()
+}
+
+/// Writes one batch as `path`, whole or not at all.
+pub(crate) fn write(
+    path: &Path,
+    table: &'static str,
+    batch: &RecordBatch,
+) -> Result<(), StoreError> {
+    let bytes = encode(batch).map_err(|e| StoreError::Columns {
+        table,
+        reason: e.to_string(),
+    })?;
+    atomic_write(path, &bytes)
+}
+
+/// All rows of a file as one batch.
+pub(crate) fn read(
+    path: &Path,
+    limits: Limits,
+    remedy: &'static str,
+) -> Result<RecordBatch, StoreError> {
+    let guard = Guard {
+        path,
+        format: "Arrow IPC",
+        remedy,
+    };
+    let bytes = guard.read(limits)?;
+    arrow_check::check(&guard, &bytes, limits)?;
+    guard.run(|| {
+        let reader = FileReader::try_new(Cursor::new(bytes), None)?;
+        let schema = reader.schema();
+        let batches = reader.collect::<Result<Vec<_>, _>>()?;
+        concat_batches(&schema, &batches)
+    })
+}
