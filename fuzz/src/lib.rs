@@ -5,7 +5,7 @@
 //! findings, so the hook that libFuzzer's crate aborts from is taken out; a panic that leaves a
 //! reader still ends the process.
 
-use rrf_bake::{Job, Run};
+use rrf_bake::Run;
 use rrf_scene::LoadOptions;
 use rrf_store::Limits;
 use rrf_store::layout::{
@@ -138,7 +138,7 @@ fn planned() -> &'static Run {
 fn judged_json(bytes: &[u8]) {
     let run = planned();
     write(&round_folder(&run.folder, 0).join("judged.json"), bytes);
-    let _ = run.read_judged(0);
+    let _ = run.read_evaluated(0);
 }
 
 /// Tasks as a worker reads them, with the check of their hashes.
@@ -146,7 +146,7 @@ fn chapter_json(bytes: &[u8]) {
     let run = planned();
     write(&chapter_path(&run.folder, 0, 0), bytes);
     for task in 0..4 {
-        let _ = Job::read(run, 0, task);
+        let _ = run.read_job(0, task);
     }
 }
 
@@ -155,7 +155,7 @@ fn plan_json(bytes: &[u8]) {
     let run = planned();
     write(&round_folder(&run.folder, 0).join("plan.json"), bytes);
     if let Ok(Some(plan)) = run.read_plan(0) {
-        let _ = rrf_bake::tasks(run, &plan);
+        let _ = run.tasks(&plan);
     }
 }
 

@@ -50,13 +50,16 @@ fn what_only_nets_can_do_is_refused() {
             method,
         ];
         let with = |more: &[&'static str]| [&bake[..], more].concat();
+        refused(&with(&["--rounds", "2"]), &["--rounds", "one round"]);
         refused(
-            &with(&["--rounds", "2"]),
-            &["--rounds 2", "this method has one"],
+            &with(&["--hidden", "8,4"]),
+            &["--hidden", "no hidden units"],
         );
-        refused(&with(&["--hidden", "8,4"]), &["--hidden", "no net"]);
         if method != "quadratic-regression" {
-            refused(&with(&["--cells", "3"]), &["3 cells", "one for the whole"]);
+            refused(
+                &with(&["--cells", "3"]),
+                &["--cells", "one cell for the whole"],
+            );
         }
         assert!(place.holds(&[]));
         let made = place.name("made");
@@ -79,7 +82,7 @@ fn probes_of_glossy_scenes_are_refused() {
         file("scenes/cornell-glossy/cornell-glossy.glb"),
         place.name("run"),
     );
-    let words = ["--method probes", "Lambertian surfaces only"];
+    let words = ["--method probes", "need Lambertian surfaces"];
     refused(&["bake", &scene, "-o", &run, "--method", "probes"], &words);
     assert!(place.holds(&[]));
 }

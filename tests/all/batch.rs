@@ -101,8 +101,8 @@ fn faults_before_anything_starts() {
         "missing.pbrt",
         "outside the scene",
         "eye box 7,7,7,8,8,8",
-        "\"best\"",
-        "\"guess\": nets, linear-outputs",
+        "'best'",
+        "nets, linear-outputs",
     ];
     refused(&["run", &file], &words);
     let file = batch(&place, "colour = 1", &bakes[0]);

@@ -13,7 +13,7 @@ fn scene_to_frame() {
     let bake = ["bake", &scene, "-o", &run, "--light-box", OVERHEAD];
     let said = done(&[&bake[..], &["--preset", "preview"]].concat());
     assert!(
-        said.out.contains("relative error on rows held out"),
+        said.out.contains("relative error on held-out rows"),
         "{said:#?}"
     );
     assert!(said.out.contains("points that see nothing"), "{said:#?}");

@@ -1,25 +1,97 @@
-//! The whole chain.
+//! A whole bake: load, plan, extract, train, evaluate, and again until a round is the last.
 
-use crate::config::BakeConfig;
-use crate::error::BakeError;
-use crate::rounds::{Ended, rounds};
-use crate::run::Run;
-use crate::watch::Watch;
-use crate::work::Site;
+use crate::error::{BakeError, Halt};
+use crate::exec::context::SamplingContext;
+use crate::exec::evaluate::{evaluate_round, finished_part};
+use crate::exec::plan::plan_first;
+use crate::exec::stage::{extract_samples, train_nets};
+use crate::exec::watch::Watch;
+use crate::plan::evaluation::{EvaluatedRound, Evaluation};
+use crate::plan::stop::StopReason;
+use crate::run::folder::Run;
+use crate::run::rounds::Progress;
+use crate::settings::BakeConfig;
+use rrf_extract::Census;
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 use std::path::Path;
 
-/// Bakes a scene into the folder `run`.
+/// The result of a bake.
+#[derive(Clone, Debug)]
+pub struct BakeOutcome {
+    /// Accepted and rejected candidates of the first plan.
+    pub census: Census,
+    /// Error of every cell and of the whole model, from the last committed round.
+    pub evaluation: Evaluation,
+    /// Number of committed rounds.
+    pub rounds: u32,
+    /// Why there is no further round.
+    pub stop: StopReason,
+}
+
+/// Bakes a scene into the folder `run`. Everything that a round needs is in files of the folder, so that
+/// an interrupted bake continues with the task that it was interrupted in.
+///
+/// # Errors
+/// [`BakeError`] of any stage; [`BakeError::Halted`] where the watch stops the first round.
 pub fn bake(
     scene: &Scene,
     config: &BakeConfig,
     run: &Path,
     resume: bool,
     watch: &dyn Watch,
-) -> Result<Ended, BakeError> {
+) -> Result<BakeOutcome, BakeError> {
+    let unlit = scene.unlit();
+    let tracer = Tracer::new(&unlit)?;
+    let context = SamplingContext::new(&unlit, &tracer, config)?;
     let run = Run::create(run, scene, config, resume)?;
-    let scene = scene.unlit();
-    let tracer = Tracer::new(&scene)?;
-    rounds(&run, &Site::new(&scene, &tracer, &run.config)?, watch)
+    let census = plan_first(&run, &context)?.census;
+    watch.sync().map_err(BakeError::Sync)?;
+    loop {
+        let Progress { evaluated, todo } = run.progress()?;
+        let Some(mut round) = todo else {
+            return outcome(&run, census, evaluated, None);
+        };
+        let work = extract_samples(&run, &round, &context, None, watch)
+            .and_then(|()| train_nets(&run, &round, watch));
+        match work {
+            Err(halted @ BakeError::Halted { why: Halt::Time }) => {
+                match (finished_part(&run, &round)?, evaluated) {
+                    (Some(part), _) => round = part,
+                    // the model of the round before stands
+                    (None, Some(evaluated)) => {
+                        let stop = round.compresses.unwrap_or(StopReason::Time);
+                        return outcome(&run, census, Some(evaluated), Some(stop));
+                    }
+                    (None, None) => return Err(halted),
+                }
+            }
+            work => work?,
+        }
+        let (evaluation, _) = evaluate_round(&run, &round, watch.left())?;
+        watch.sync().map_err(BakeError::Sync)?;
+        watch.evaluated(round.round, &evaluation);
+    }
+}
+
+/// The result as of the last committed round, which stopped for its own reason or for `stop`.
+fn outcome(
+    run: &Run,
+    census: Census,
+    evaluated: Option<EvaluatedRound>,
+    stop: Option<StopReason>,
+) -> Result<BakeOutcome, BakeError> {
+    let reason = |evaluated: &EvaluatedRound| stop.or(evaluated.stop);
+    match evaluated.and_then(|evaluated| Some((reason(&evaluated)?, evaluated))) {
+        Some((stop, evaluated)) => Ok(BakeOutcome {
+            census,
+            evaluation: evaluated.evaluation,
+            rounds: evaluated.round + 1,
+            stop,
+        }),
+        None => Err(BakeError::NotExtracted {
+            path: run.folder.clone(),
+            cell: 0,
+        }),
+    }
 }

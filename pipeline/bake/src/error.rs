@@ -1,6 +1,5 @@
-//! Why a bake stopped.
+//! Errors of a bake.
 
-use crate::watch::Halt;
 use rrf_extract::ExtractError;
 use rrf_field::FieldError;
 use rrf_scene::SceneError;
@@ -9,10 +8,19 @@ use rrf_trace::TraceError;
 use rrf_train::TrainError;
 use std::path::PathBuf;
 
-/// What went wrong in a run, with the stage's own facts inside.
+/// Reason that a bake stops between two tasks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Halt {
+    /// The time limit.
+    Time,
+    /// A signal (SIGINT, SIGTERM).
+    Interrupt,
+}
+
+/// Error of a bake, with the facts of the stage that failed.
 #[derive(Debug, thiserror::Error)]
 pub enum BakeError {
-    /// The scene file.
+    /// The scene file cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The scene cannot be traced.
@@ -21,34 +29,34 @@ pub enum BakeError {
     /// Nothing could be extracted.
     #[error(transparent)]
     Extract(#[from] ExtractError),
-    /// A table or the run folder.
+    /// A table or the run folder cannot be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The fits' nets and the tree do not make a model.
+    /// The nets and the tree do not form a model.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// A fit could not start.
+    /// A fit cannot start.
     #[error(transparent)]
     Train(#[from] TrainError),
     /// The run folder already holds a run.
-    #[error("{path}: already holds a run. Choose another folder, or go on with it by --resume", path = path.display())]
+    #[error("{path}: already holds a run. Choose another folder, or continue it with --resume", path = path.display())]
     Exists {
         /// The folder.
         path: PathBuf,
     },
     /// The folder holds a run with other settings.
-    #[error("{path}: was begun with another {what} ({found}, now {asked}). Choose another folder, or give the same settings", path = path.display())]
+    #[error("{path}: was started with another {what} ({found}, now {asked}). Choose another folder, or give the same settings", path = path.display())]
     OtherRun {
         /// The folder.
         path: PathBuf,
         /// What differs.
         what: &'static str,
-        /// As the run has it.
+        /// Value in the run.
         found: String,
-        /// As asked for now.
+        /// Value requested now.
         asked: String,
     },
-    /// A cell asked for by number that the plan does not have.
+    /// The plan has no such cell.
     #[error("cell {cell}: the plan has cells 0 to {last}")]
     NoSuchCell {
         /// The cell.
@@ -56,7 +64,7 @@ pub enum BakeError {
         /// The last one that exists.
         last: u32,
     },
-    /// A plan that does not hold together.
+    /// A plan is inconsistent.
     #[error("round {round}: {reason}. Bake into a new folder")]
     Plan {
         /// The round.
@@ -65,10 +73,18 @@ pub enum BakeError {
         reason: String,
     },
     /// An extraction needs the scene.
-    #[error("a part has to be drawn, and no scene was loaded")]
-    NoSite,
+    #[error("a part has to be drawn, but no scene is loaded")]
+    NoContext,
+    /// A setting is unknown or wrong, or contradicts another one or the scene.
+    #[error("{option}: {reason}")]
+    Setting {
+        /// The option.
+        option: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// A round cannot be committed yet.
-    #[error("{path}: {missing} tasks of round {round} are not done. Go on by `rrf bake --resume`", path = path.display())]
+    #[error("{path}: {missing} tasks of round {round} are not done. Continue with `rrf bake --resume`", path = path.display())]
     Unfinished {
         /// The run folder.
         path: PathBuf,
@@ -79,7 +95,7 @@ pub enum BakeError {
     },
     /// A task does not fit into memory.
     #[error(
-        "a task needs about {needed} bytes of memory, --memory is {memory}: allow more, or bake with more cells of fewer rows"
+        "a task needs about {needed} bytes of memory, but --memory is {memory}. Allow more, or bake with more cells of fewer rows"
     )]
     Memory {
         /// Bytes that the largest task needs.
@@ -87,30 +103,30 @@ pub enum BakeError {
         /// Bytes allowed.
         memory: u64,
     },
-    /// The run's files could not be kept elsewhere.
+    /// The run's files could not be stored at their remote location.
     #[error("{0}")]
-    Keep(#[source] Box<dyn std::error::Error + Send + Sync>),
-    /// Stopped between two tasks; everything done so far stays.
-    #[error("stopped by {}; what is done stays: go on by `rrf bake --resume`", match why { Halt::Time => "the time limit before the first round was done", Halt::Interrupt => "a signal" })]
+    Sync(#[source] Box<dyn std::error::Error + Send + Sync>),
+    /// Stopped between two tasks; finished work is kept.
+    #[error("stopped by {}. Finished work is kept: continue with `rrf bake --resume`", match why { Halt::Time => "the time limit before the first round was done", Halt::Interrupt => "a signal" })]
     Halted {
         /// Why.
         why: Halt,
     },
-    /// The run folder is not where it was when the work began.
-    #[error("{path}: the run folder is gone in the middle of the work: its disk was taken away, or it was moved. Bring it back and go on by `rrf bake --resume`", path = path.display())]
+    /// The run folder disappeared during the work.
+    #[error("{path}: the run folder is gone: its disk was removed, or it was moved. Restore it and continue with `rrf bake --resume`", path = path.display())]
     Gone {
         /// The folder.
         path: PathBuf,
     },
-    /// What a fit goes on from is not there.
-    #[error("{path}: the fit from which cell {cell} goes on is missing, or is another one. Bring it back, or bake into a new folder", path = path.display())]
+    /// The earlier fit that a fit starts from is missing.
+    #[error("{path}: the earlier fit that cell {cell} starts from is missing or has changed. Restore it, or bake into a new folder", path = path.display())]
     EarlierFit {
         /// Where it should be.
         path: PathBuf,
         /// The cell that needs it.
         cell: u32,
     },
-    /// The run has no samples yet.
+    /// A cell has no samples yet.
     #[error("{path}: cell {cell} has no samples. Run `rrf extract` or `rrf bake --resume` first", path = path.display())]
     NotExtracted {
         /// The run folder.
@@ -121,13 +137,21 @@ pub enum BakeError {
 }
 
 impl BakeError {
-    /// Whether the same call fails again until a person changes the input (exit code 2).
+    /// A plan that refers to a draw that it does not contain.
+    pub(crate) fn missing_draw(round: u32, draw: u32) -> BakeError {
+        BakeError::Plan {
+            round,
+            reason: format!("draw {draw} is missing"),
+        }
+    }
+
+    /// Whether the same call fails until the input changes (exit code 2).
     pub fn is_bad_input(&self) -> bool {
         match self {
             BakeError::Store(error) => error.is_bad_input(),
             BakeError::Halted { .. }
             | BakeError::Unfinished { .. }
-            | BakeError::Keep(_)
+            | BakeError::Sync(_)
             | BakeError::Gone { .. } => false,
             _ => true,
         }

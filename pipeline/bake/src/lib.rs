@@ -1,57 +1,71 @@
-//! A run from beginning to end, in rounds: plan, extract, train, commit, judge, decide.
+//! The bake of a scene: rounds of planning, extraction, training and evaluation.
 //!
-//! - [`plan`](RoundPlan): what a round does, a file;
-//! - [`tasks`]: the round cut into pieces that know by a hash whether they are done; [`perform`]
-//!   does one;
-//! - [`commit`]: fits become the model; [`Judgement`]: how good it is;
-//! - [`decide`]: what the next round does about which cells, or why there is none;
-//! - [`rounds`]: all of this again and again, in this process.
+//! [`bake`] is the whole of it on one screen. Its stages stand on layers, each of which knows only
+//! those before it:
 //!
-//! Stages read and write files of the run folder and nothing else, so that each can be run alone
-//! and a run that was cut off goes on where it stopped.
+//! - `plan/`: plain data. A [`RoundPlan`] lists cells and draws, a [`Task`] is a unit of work, an
+//!   [`Evaluation`] holds the errors of a model;
+//! - `policy/`: pure functions from plans and evaluations to decisions: when to stop, which cells to
+//!   refine and how, what to compress, what everything should cost;
+//! - `run/`: the files of a run folder, by way of [`Run`];
+//! - `exec/`: the work. [`plan_first`], [`extract_samples`], [`train_nets`] and [`evaluate_round`] are the stages of a round,
+//!   [`perform`] does one task.
+//!
+//! [`Settings`] are the options of a bake, [`BakeConfig`] what they mean for a scene.
+//!
+//! ```
+//! use rrf_bake::{BakeConfig, Preset, bake};
+//! use rrf_extract::Region;
+//! use rrf_scene::LoadOptions;
+//! use std::path::Path;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/cornell-box/scene.pbrt");
+//! let scene = rrf_scene::load(&room, &LoadOptions::default())?;
+//! let light_box = Region { minimum: [-0.6, 1.3, -0.6], maximum: [0.6, 1.8, 0.6] };
+//! let mut config = BakeConfig::preset(Preset::Preview, light_box, 1);
+//! (config.extract.cells, config.extract.rows, config.extract.paths) = (2, 2_000, 16);
+//!
+//! let folder = tempfile::tempdir()?;
+//! let outcome = bake(&scene, &config, folder.path(), false, &())?;
+//!
+//! let (error, standard_error) = outcome.evaluation.error();
+//! println!("relative error {error:.3} ± {standard_error:.3}");
+//! assert!(outcome.rounds == 1 && error < 0.5);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Stages read and write files of the run folder and nothing else, so that each can be run alone, and
+//! an interrupted bake continues where it stopped.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod bake;
-mod commit;
-mod config;
-mod cost;
-mod crew;
-mod decide;
 mod error;
-mod experience;
-mod fitting;
-mod job;
-mod judge;
+mod exec;
 mod plan;
-mod remedy;
-mod rounds;
+mod policy;
 mod run;
-mod seams;
-mod seconds;
-mod split;
-mod task;
-mod test_rows;
-mod trim;
-mod watch;
-mod work;
+pub mod settings;
 
-pub use bake::bake;
-pub use commit::{commit, missing};
-pub use config::{BakeConfig, Preset};
-pub use decide::{Next, Stop, decide};
-pub use error::BakeError;
-pub use job::{CHAPTER, Job};
-pub use judge::{CellJudgement, Judgement};
-pub use plan::{CellPlan, DrawPlan, PartPlan, RoundPlan};
-pub use remedy::{Action, Kind, Remedy};
-pub use rounds::{
-    Ended, Standing, finish_round, first_plan, first_tasks, perform_stage, rounds, standing,
-};
-pub use run::{Judged, Run};
-pub use seconds::{Seconds, read_seconds};
-pub use split::is_held_out;
-pub use task::{Stage, Task, is_done, tasks};
-pub use test_rows::Tested;
-pub use watch::{Halt, Watch};
-pub use work::{Site, perform, perform_job};
+pub use bake::{BakeOutcome, bake};
+pub use error::{BakeError, Halt};
+pub use exec::context::SamplingContext;
+pub use exec::evaluate::evaluate_round;
+pub use exec::perform::perform;
+pub use exec::plan::{estimate, plan_first};
+pub use exec::stage::{extract_samples, train_nets};
+pub use exec::watch::Watch;
+pub use plan::evaluation::{CellEvaluation, EvaluatedRound, Evaluation, TestError};
+pub use plan::next::Next;
+pub use plan::refinement::{Action, Refinement};
+pub use plan::round::{CellPlan, DrawPlan, EarlierFit, PartPlan, RoundPlan};
+pub use plan::shard::{Job, SHARD_TASKS};
+pub use plan::stop::StopReason;
+pub use plan::task::{Task, TaskKind};
+pub use plan::timings::Timings;
+pub use policy::held_out::is_held_out;
+pub use run::folder::Run;
+pub use run::rounds::Progress;
+pub use settings::{BakeConfig, Preset, Settings};

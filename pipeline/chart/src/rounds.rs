@@ -3,7 +3,7 @@
 use crate::chart::{Joined, Panel, Sheet, files};
 use crate::front::{Estimate, Point};
 use crate::{ChartError, html};
-use rrf_bake::{Judged, Run, Seconds, read_seconds};
+use rrf_bake::{EvaluatedRound, Run, Timings};
 use std::path::{Path, PathBuf};
 
 /// What the vertical axis says.
@@ -16,18 +16,18 @@ type Cost = fn(&[Round]) -> Option<f64>;
 #[derive(Clone, Debug)]
 pub struct Round {
     /// Cells, errors and why it was the last, where it was.
-    pub judged: Judged,
+    pub evaluated: EvaluatedRound,
     /// What it took; none where nobody wrote it down.
-    pub seconds: Option<Seconds>,
+    pub seconds: Option<Timings>,
 }
 
 impl Round {
     fn rows(&self) -> u64 {
-        self.judged.judgement.cells.iter().map(|c| c.rows).sum()
+        self.evaluated.evaluation.cells.iter().map(|c| c.rows).sum()
     }
 
     fn weights(&self) -> u64 {
-        let cells = self.judged.judgement.cells.iter();
+        let cells = self.evaluated.evaluation.cells.iter();
         cells.map(|c| u64::from(c.weights)).sum()
     }
 }
@@ -38,9 +38,9 @@ impl Round {
 /// [`ChartError::Bake`] for a damaged file.
 pub fn of(run: &Run) -> Result<Vec<Round>, ChartError> {
     let mut rounds = Vec::new();
-    while let Some(judged) = run.read_judged(rounds.len() as u32)? {
-        let seconds = read_seconds(run, judged.round)?;
-        rounds.push(Round { judged, seconds });
+    while let Some(evaluated) = run.read_evaluated(rounds.len() as u32)? {
+        let seconds = run.read_timings(evaluated.round)?;
+        rounds.push(Round { evaluated, seconds });
     }
     Ok(rounds)
 }
@@ -75,13 +75,13 @@ fn seconds(so_far: &[Round]) -> Option<f64> {
 
 fn points((name, rounds): &(String, Vec<Round>), cost: Cost) -> Vec<Point> {
     let point = |n: usize| {
-        let judgement = &rounds.get(n)?.judged.judgement;
-        let (error, se) = judgement.error();
+        let evaluation = &rounds.get(n)?.evaluated.evaluation;
+        let (error, se) = evaluation.error();
         let error = 100.0 * error;
         let cost = cost(rounds.get(..=n)?).filter(|c| *c > 0.0)?;
         (error > 0.0).then(|| Point {
             method: name.clone(),
-            setting: format!("round {n}, {} cells", judgement.cells.len()),
+            setting: format!("round {n}, {} cells", evaluation.cells.len()),
             seeds: 1,
             cost: Estimate {
                 mean: cost,
@@ -101,24 +101,24 @@ fn points((name, rounds): &(String, Vec<Round>), cost: Cost) -> Vec<Point> {
 pub(crate) fn table(rounds: &[Round]) -> String {
     let lines: Vec<Vec<String>> = (rounds.iter())
         .map(|round| {
-            let judgement = &round.judged.judgement;
-            let took = |of: fn(Seconds) -> f64| {
+            let evaluation = &round.evaluated.evaluation;
+            let took = |of: fn(Timings) -> f64| {
                 round
                     .seconds
                     .map_or("–".into(), |s| format!("{:.1}", of(s)))
             };
-            let (error, se) = judgement.error();
+            let (error, se) = evaluation.error();
             vec![
-                round.judged.round.to_string(),
-                judgement.cells.len().to_string(),
+                round.evaluated.round.to_string(),
+                evaluation.cells.len().to_string(),
                 round.rows().to_string(),
                 round.weights().to_string(),
                 took(|s| s.extract),
                 took(|s| s.train),
-                took(|s| s.judge),
+                took(|s| s.evaluate),
                 format!("{:.2} ± {:.2} %", 100.0 * error, 100.0 * se),
-                round.judged.stop.map_or("another round".into(), |stop| {
-                    format!("stopped: {}", stop.text())
+                round.evaluated.stop.map_or("another round".into(), |stop| {
+                    stop.text(round.evaluated.round + 1)
                 }),
             ]
         })

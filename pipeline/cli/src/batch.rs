@@ -1,11 +1,10 @@
 //! `rrf run batch.toml`: many bakes from one file, safe under cron.
 
-use crate::args::{BakeSettings, LightUnits, Method, Preset, RunArgs, SceneOptions};
+use crate::args::RunArgs;
 use crate::bake::config;
 use crate::failure::{BadInput, exit_code, message};
 use crate::progress::Bars;
-use clap::ValueEnum;
-use rrf_bake::{BakeConfig, Run, Site};
+use rrf_bake::{BakeConfig, Run, SamplingContext, Settings};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 use serde::{Deserialize, Serialize};
@@ -13,6 +12,7 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
+use toml::Table;
 
 /// The file.
 #[derive(Debug, Deserialize)]
@@ -20,9 +20,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 struct Batch {
     /// Folder of the runs, from the file's folder.
     output: PathBuf,
-    /// Settings of bakes that do not say otherwise.
+    /// Settings of all bakes, as read by [`Settings::from_table`], and `seeds`.
     #[serde(default)]
-    defaults: Settings,
+    defaults: Table,
     /// The bakes.
     bake: Vec<Bake>,
 }
@@ -34,28 +34,9 @@ struct Bake {
     name: String,
     /// Scene file, from the file's folder.
     scene: PathBuf,
+    /// Settings of this bake, which replace the defaults.
     #[serde(default)]
-    settings: Settings,
-}
-
-/// As on the command line of `rrf bake`.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Settings {
-    light_box: Option<[f32; 6]>,
-    eye_box: Option<[f32; 6]>,
-    target: Option<f32>,
-    seeds: Option<Vec<u64>>,
-    preset: Option<String>,
-    method: Option<String>,
-    rows: Option<u32>,
-    paths: Option<u32>,
-    cells: Option<u32>,
-    rounds: Option<u32>,
-    most_cells: Option<u32>,
-    trim: Option<bool>,
-    default_albedo: Option<f32>,
-    light_units: Option<String>,
+    settings: Table,
 }
 
 /// One run, valid as far as can be said before it starts.
@@ -82,7 +63,8 @@ pub fn run(args: &RunArgs, quiet: bool) -> anyhow::Result<()> {
     let batch = read(&args.batch)?;
     let base = args.batch.parent().unwrap_or(Path::new(""));
     let output = base.join(&batch.output);
-    let jobs = jobs(&batch, base, &output)?;
+    let jobs = jobs(&batch, base, &output)
+        .map_err(|faults| BadInput(format!("{}: {faults}", args.batch.display())))?;
     if args.dry_run {
         return jobs.iter().try_for_each(preview);
     }
@@ -154,23 +136,17 @@ fn jobs(batch: &Batch, base: &Path, output: &Path) -> Result<Vec<Job>, BadInput>
     }
 }
 
-fn jobs_of(
-    bake: &Bake,
-    defaults: &Settings,
-    base: &Path,
-    output: &Path,
-) -> anyhow::Result<Vec<Job>> {
-    let own = &bake.settings;
-    let seeds = own.seeds.clone().or(defaults.seeds.clone());
+fn jobs_of(bake: &Bake, defaults: &Table, base: &Path, output: &Path) -> anyhow::Result<Vec<Job>> {
+    let mut table = defaults.clone();
+    table.extend(bake.settings.clone());
+    let seeds = seeds(&mut table)?;
+    let mut settings = Settings::from_table(&table)?;
     let mut jobs = Vec::new();
-    for seed in seeds.unwrap_or(vec![1]) {
-        let settings = settings(own, defaults, seed)?;
-        let scene = crate::scene::load(&base.join(&bake.scene), &settings.scene_options)?;
+    for seed in seeds {
+        settings.seed = seed;
+        let scene = crate::scene::load(&base.join(&bake.scene), &settings.scene)?;
         let config = config(&settings, &scene)?;
-        let bounds = scene
-            .bounds()
-            .ok_or(rrf_extract::ExtractError::NoTriangle)?;
-        config.extract.validate(&bounds)?;
+        config.validate(&scene)?;
         jobs.push(Job {
             folder: output.join(format!("{}-{seed}", bake.name)),
             scene,
@@ -180,79 +156,27 @@ fn jobs_of(
     Ok(jobs)
 }
 
-fn settings(own: &Settings, defaults: &Settings, seed: u64) -> Result<BakeSettings, BadInput> {
-    let preset = match own.preset.as_deref().or(defaults.preset.as_deref()) {
-        None | Some("standard") => Preset::Standard,
-        Some("preview") => Preset::Preview,
-        Some("fine") => Preset::Fine,
-        Some(other) => {
-            return Err(BadInput(format!(
-                "preset {other:?}: preview, standard or fine"
-            )));
-        }
-    };
-    let light_units = match own
-        .light_units
-        .as_deref()
-        .or(defaults.light_units.as_deref())
-    {
-        None | Some("spec") => LightUnits::Spec,
-        Some("compat") => LightUnits::Compat,
-        Some("raw") => LightUnits::Raw,
-        Some(other) => {
-            return Err(BadInput(format!(
-                "light_units {other:?}: spec, compat or raw"
-            )));
-        }
-    };
-    let method = match own.method.as_deref().or(defaults.method.as_deref()) {
-        None => Method::Nets,
-        Some(name) => Method::from_str(name, false).map_err(|_| {
-            let known = Method::value_variants().iter();
-            let known = known.filter_map(|method| method.to_possible_value());
-            let names: Vec<_> = known.map(|value| value.get_name().to_string()).collect();
-            BadInput(format!("method {name:?}: {}", names.join(", ")))
-        })?,
-    };
-    let target = own.target.or(defaults.target).unwrap_or(0.05);
-    let default_albedo = own
-        .default_albedo
-        .or(defaults.default_albedo)
-        .unwrap_or(0.7);
-    let fine = target > 0.0 && target.is_finite() && (0.0..=1.0).contains(&default_albedo);
-    if !fine {
-        return Err(BadInput(format!(
-            "target {target} has to be positive, default_albedo {default_albedo} in 0 to 1"
-        )));
+/// Takes the list of seeds, one bake each, out of a table.
+fn seeds(table: &mut Table) -> Result<Vec<u64>, BadInput> {
+    if table.contains_key("seed") {
+        return Err(BadInput("seed: a batch has a list, seeds = [1, 2]".into()));
     }
-    Ok(BakeSettings {
-        light_box: own.light_box.or(defaults.light_box),
-        eye_box: own.eye_box.or(defaults.eye_box),
-        target,
-        seed,
-        preset,
-        resume: true,
-        rows: own.rows.or(defaults.rows),
-        paths: own.paths.or(defaults.paths),
-        cells: own.cells.or(defaults.cells),
-        rounds: own.rounds.or(defaults.rounds),
-        most_cells: own.most_cells.or(defaults.most_cells),
-        no_trim: !own.trim.or(defaults.trim).unwrap_or(true),
-        method,
-        hidden: None,
-        inputs: None,
-        scene_options: SceneOptions {
-            default_albedo,
-            light_units,
-        },
-    })
+    match table.remove("seeds") {
+        Some(seeds) => seeds
+            .try_into()
+            .map_err(|e| BadInput(format!("seeds: {e}"))),
+        None => Ok(vec![1]),
+    }
 }
 
 /// What the first round of a run would take.
 fn preview(job: &Job) -> anyhow::Result<()> {
     let scene = job.scene.unlit();
     let tracer = Tracer::new(&scene)?;
-    let tasks = rrf_bake::first_tasks(&job.config, &Site::new(&scene, &tracer, &job.config)?)?;
+    let tasks = rrf_bake::estimate(
+        &job.config,
+        &SamplingContext::new(&scene, &tracer, &job.config)?,
+    )?;
     let seconds: f64 = tasks.iter().map(|task| task.seconds).sum();
     let memory = tasks.iter().map(|task| task.memory).max().unwrap_or(0);
     println!(
@@ -273,7 +197,7 @@ fn perform(job: &Job, watch: &Bars) -> Outcome {
     let run = job.folder.clone();
     match result {
         Ok(ended) => {
-            let (error, se) = ended.judgement.error();
+            let (error, se) = ended.evaluation.error();
             Outcome {
                 run,
                 code: 0,
@@ -285,7 +209,7 @@ fn perform(job: &Job, watch: &Bars) -> Outcome {
                     100.0 * error,
                     100.0 * se,
                     ended.rounds,
-                    ended.stop.text()
+                    ended.stop.text(ended.rounds)
                 ),
             }
         }

@@ -13,7 +13,6 @@ mod doctor;
 mod elsewhere;
 mod export;
 mod failure;
-mod method;
 mod page;
 mod pictures;
 mod place;

@@ -3,7 +3,7 @@
 use crate::args::Bounds;
 use crate::place::Place;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use rrf_bake::{Halt, Judgement, Stage, Watch};
+use rrf_bake::{Evaluation, Halt, TaskKind, Watch};
 use rrf_remote::RemoteError;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -71,8 +71,8 @@ impl Bars {
 }
 
 impl Watch for Bars {
-    fn begin(&self, stage: Stage, round: u32, total: u64) {
-        let what = format!("{} {round}", stage.name());
+    fn begin(&self, kind: TaskKind, round: u32, total: u64) {
+        let what = format!("{} {round}", kind.name());
         self.with(|current| *current = bar(self.quiet, total, what));
     }
 
@@ -84,20 +84,20 @@ impl Watch for Bars {
         self.with(|current| current.finish_and_clear());
     }
 
-    fn judged(&self, round: u32, judgement: &Judgement) {
+    fn evaluated(&self, round: u32, evaluation: &Evaluation) {
         if !self.quiet {
-            let (error, se) = judgement.error();
+            let (error, se) = evaluation.error();
             println!(
-                "round {round}: {} cells, relative error {:.2} % ± {:.2} % (rows held out {:.2} %)",
-                judgement.cells.len(),
+                "round {round}: {} cells, relative error {:.2} % ± {:.2} % ({:.2} % on held-out rows)",
+                evaluation.cells.len(),
                 100.0 * error,
                 100.0 * se,
-                100.0 * judgement.relative_error
+                100.0 * evaluation.relative_error
             );
         }
     }
 
-    fn keep(&self) -> Result<(), Box<dyn Error + Send + Sync>> {
+    fn sync(&self) -> Result<(), Box<dyn Error + Send + Sync>> {
         Ok(self.push()?)
     }
 

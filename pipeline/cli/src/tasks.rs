@@ -1,38 +1,35 @@
 //! `rrf plan`, `rrf task`, `rrf commit`: the rounds of a bake as tasks that any scheduler runs.
 
 use crate::args::{CommitArgs, PlanArgs, TaskArgs};
-use crate::bake::{config, print_judgement};
+use crate::bake::{config, print_evaluation};
 use crate::failure::BadInput;
 use crate::place::Place;
 use crate::scene;
-use rrf_bake::{BakeError, CHAPTER, Job, Next, RoundPlan, Run, Site, Stage, Task};
+use rrf_bake::{BakeError, Next, RoundPlan, Run, SHARD_TASKS, SamplingContext, Task, TaskKind};
 use rrf_remote::is_url;
 use rrf_store::layout::{TEST, task_table_path};
 use rrf_store::task_table::{TaskRow, read_tasks};
 use rrf_trace::Tracer;
 use std::path::{Path, PathBuf};
 
-/// Plans the first round of a new run, or writes the table of the round at hand.
+/// Plans the first round of a new run, or writes the task table of the next round.
 pub fn plan(args: &PlanArgs) -> anyhow::Result<()> {
     let place = Place::whole(args.output.as_ref().unwrap_or(&args.input))?;
     let run = match &args.output {
         Some(_) => {
             let asked = &args.settings;
-            let scene = scene::load(&args.input, &asked.scene_options)?;
-            let run = Run::create(
-                place.folder(),
-                &scene,
-                &config(asked, &scene)?,
-                asked.resume,
-            )?;
-            let scene = scene.unlit();
-            let tracer = Tracer::new(&scene)?;
-            rrf_bake::first_plan(&run, &Site::new(&scene, &tracer, &run.config)?)?;
+            let scene = scene::load(&args.input, &asked.scene)?;
+            let config = config(asked, &scene)?;
+            let unlit = scene.unlit();
+            let tracer = Tracer::new(&unlit)?;
+            let context = SamplingContext::new(&unlit, &tracer, &config)?;
+            let run = Run::create(place.folder(), &scene, &config, args.resume)?;
+            rrf_bake::plan_first(&run, &context)?;
             run
         }
         None => Run::open(place.folder())?,
     };
-    let Some(plan) = rrf_bake::standing(&run)?.todo else {
+    let Some(plan) = run.progress()?.todo else {
         match args.json {
             true => println!("{}", serde_json::json!({"ended": true, "tasks": []})),
             false if args.missing => {}
@@ -40,14 +37,14 @@ pub fn plan(args: &PlanArgs) -> anyhow::Result<()> {
         }
         return Ok(());
     };
-    // anew, should it have been lost
+    // again, should it have been lost
     run.write_plan(&plan)?;
     let path = task_table_path(&run.folder, plan.round);
     let all = read_tasks(&path, &run.facts())?;
     place.push()?;
     let mut listed = Vec::new();
-    for (row, task) in all.iter().zip(rrf_bake::tasks(&run, &plan)?) {
-        if !(args.missing && rrf_bake::is_done(&run, &task)?) {
+    for (row, task) in all.iter().zip(run.tasks(&plan)?) {
+        if !(args.missing && run.is_done(&task)?) {
             listed.push(row);
         }
     }
@@ -84,19 +81,19 @@ fn summary(plan: &RoundPlan, path: &Path, listed: &[&TaskRow]) -> serde_json::Va
     serde_json::json!({"ended": false, "round": plan.round, "plan": path, "tasks": tasks})
 }
 
-/// Does one task of a plan, or finds that it is done.
+/// Performs one task of a plan, or finds that it is done.
 pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
     let (run_path, round) = run_and_round(&args.plan)?;
     let index = index(args)?;
     let own = format!(
         "rounds/{round:03}/tasks/{:05}.json",
-        index as usize / CHAPTER
+        index as usize / SHARD_TASKS
     );
     let first = format!("rounds/{round:03}/tasks/00000.json");
     let place = Place::task(&run_path)?;
     place.pull(|name| name == "run.json" || name == own || name == first)?;
     let run = Run::open(place.folder())?;
-    let job = Job::read(&run, round, index)?.map_err(|tasks| {
+    let job = run.read_job(round, index)?.map_err(|tasks| {
         BadInput(format!(
             "{}: task {index}: the plan has tasks 0 to {}",
             args.plan.display(),
@@ -105,19 +102,19 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
     })?;
     let (needed, task) = (job.files(), &job.task);
     place.pull(|name| needed.iter().any(|start| name.starts_with(start)))?;
-    if rrf_bake::is_done(&run, task)? {
+    if run.is_done(task)? {
         println!("{}: done already", describe(task));
         return Ok(());
     }
-    match task.stage {
-        Stage::Extract => {
+    match task.kind {
+        TaskKind::Extract => {
             let scene = run.load_scene()?.unlit();
             let tracer = Tracer::new(&scene)?;
-            let site = Site::new(&scene, &tracer, &run.config)?;
-            rrf_bake::perform_job(&run, &job, Some(&site), args.memory)?;
+            let context = SamplingContext::new(&scene, &tracer, &run.config)?;
+            rrf_bake::perform(&run, &job, Some(&context), args.memory)?;
         }
-        Stage::Train => match rrf_bake::perform_job(&run, &job, None, args.memory) {
-            // not this task's fault: it can succeed later
+        TaskKind::Train => match rrf_bake::perform(&run, &job, None, args.memory) {
+            // it can succeed later
             Err(error @ BakeError::NotExtracted { .. }) => {
                 anyhow::bail!("task {index} waits for an extraction: {error}")
             }
@@ -129,12 +126,11 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Makes the round's fits the model and plans the next round.
+/// Commits a round and plans the next one.
 pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
     let place = Place::whole(&args.run)?;
     let run = Run::open(place.folder())?;
-    let standing = rrf_bake::standing(&run)?;
-    let Some(plan) = standing.todo else {
+    let Some(plan) = run.progress()?.todo else {
         if !args.json {
             println!("nothing to commit: the bake has ended");
         } else {
@@ -142,10 +138,10 @@ pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
         }
         return Ok(());
     };
-    let (judgement, next) = rrf_bake::finish_round(&run, &plan, None)?;
+    let (evaluation, next) = rrf_bake::evaluate_round(&run, &plan, None)?;
     place.push()?;
     let (ended, text) = match &next {
-        Next::Stop(stop) => (true, stop.text().to_string()),
+        Next::Stop(stop) => (true, stop.text(plan.round + 1)),
         Next::Round(next) => {
             let path = task_table_path(&run.folder, next.round);
             (
@@ -155,16 +151,16 @@ pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
         }
     };
     if args.json {
-        let (error, se) = judgement.error();
+        let (error, se) = evaluation.error();
         let report = serde_json::json!({
-            "round": plan.round, "ended": ended, "cells": judgement.cells.len(),
+            "round": plan.round, "ended": ended, "cells": evaluation.cells.len(),
             "relative_error": error, "relative_error_se": se,
-            "held_out_error": judgement.relative_error, "held_out_error_se": judgement.relative_error_se,
+            "held_out_error": evaluation.relative_error, "held_out_error_se": evaluation.relative_error_se,
         });
         println!("{report}");
         return Ok(());
     }
-    print_judgement(&judgement, run.config.target);
+    print_evaluation(&evaluation, run.config.target);
     println!("round {} is committed: {text}", plan.round);
     Ok(())
 }
@@ -197,7 +193,7 @@ fn run_and_round(plan: &Path) -> Result<(PathBuf, u32), BadInput> {
 
 fn not_a_plan(plan: &Path) -> BadInput {
     BadInput(format!(
-        "{}: no plan of a run: it is RUN/rounds/000/tasks.parquet, as `rrf plan` writes it",
+        "{}: no plan of a run: `rrf plan` writes RUN/rounds/000/tasks.parquet",
         plan.display()
     ))
 }

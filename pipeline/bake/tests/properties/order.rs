@@ -1,22 +1,21 @@
 //! Tasks in any order, any number of times, with outputs lost in between: the same bytes.
 
-use crate::room::{Alone, files, with_run};
+use crate::room::{files, with_run};
 use proptest::prelude::*;
 use rrf_bake::{
-    BakeError, RoundPlan, Run, Site, Stage, Task, finish_round, missing, perform, perform_stage,
-    tasks,
+    BakeError, Job, RoundPlan, Run, SamplingContext, Task, TaskKind, evaluate_round,
+    extract_samples, perform, train_nets,
 };
 use rrf_store::layout::fit_folder;
 use rrf_store::parts::remove_part;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-fn finish(run: &Run, plan: &RoundPlan, site: &Site) -> BTreeMap<String, Vec<u8>> {
-    for stage in [Stage::Extract, Stage::Train] {
-        perform_stage(run, plan, Some(site), stage, None, &Alone).unwrap();
-    }
-    assert_eq!(missing(run, plan).unwrap(), 0);
-    finish_round(run, plan, None).unwrap();
+fn finish(run: &Run, plan: &RoundPlan, context: &SamplingContext) -> BTreeMap<String, Vec<u8>> {
+    extract_samples(run, plan, context, None, &()).unwrap();
+    train_nets(run, plan, &()).unwrap();
+    assert_eq!(run.unfinished(plan).unwrap(), 0);
+    evaluate_round(run, plan, None).unwrap();
     files(&run.folder)
 }
 
@@ -42,23 +41,23 @@ proptest! {
     fn order_and_losses_leave_no_trace(
         steps in prop::collection::vec((0..100usize, prop::bool::weighted(0.2)), 0..20)
     ) {
-        let found = with_run(|run, plan, site| -> Result<_, TestCaseError> {
-            let tasks = tasks(run, plan).unwrap();
-            prop_assert_eq!(missing(run, plan).unwrap(), tasks.len());
+        let found = with_run(|run, plan, context| -> Result<_, TestCaseError> {
+            let tasks = run.tasks(plan).unwrap();
+            prop_assert_eq!(run.unfinished(plan).unwrap(), tasks.len());
             for (index, lost) in steps {
                 let task = &tasks[index % tasks.len()];
                 match lost {
                     true => lose(run, task),
-                    false => match perform(run, plan, Some(site), task, None) {
-                        Ok(()) => prop_assert!(rrf_bake::is_done(run, task).unwrap()),
+                    false => match perform(run, &Job::of(plan, task).unwrap(), Some(context), None) {
+                        Ok(()) => prop_assert!(run.is_done(task).unwrap()),
                         Err(BakeError::NotExtracted { .. }) => {
-                            prop_assert_eq!(task.stage, Stage::Train);
+                            prop_assert_eq!(task.kind, TaskKind::Train);
                         }
                         Err(error) => panic!("{error}"),
                     },
                 }
             }
-            Ok(finish(run, plan, site))
+            Ok(finish(run, plan, context))
         })?;
         prop_assert_eq!(found.keys().collect::<Vec<_>>(), expected().keys().collect::<Vec<_>>());
         for (name, bytes) in &found {

@@ -1,9 +1,9 @@
 //! After any splits every row of a draw is in exactly one cell's part, and it does not matter
 //! whether a part's rows are taken from an earlier part or drawn anew.
 
-use crate::room::{Alone, files, with_run};
+use crate::room::{files, with_run};
 use proptest::prelude::*;
-use rrf_bake::{CellPlan, PartPlan, RoundPlan, Run, Stage, perform_stage};
+use rrf_bake::{CellPlan, PartPlan, RoundPlan, Run};
 use rrf_field::columns::COUNT;
 use rrf_store::layout::samples_folder;
 use rrf_store::parts::read_part;
@@ -84,8 +84,8 @@ proptest! {
     fn every_row_is_in_one_part(
         picks in prop::collection::vec([0..100usize, 0..COUNT, 0..1000usize], 1..6)
     ) {
-        with_run(|run, plan, site| -> Result<(), TestCaseError> {
-            let extract = |plan| perform_stage(run, plan, Some(site), Stage::Extract, None, &Alone);
+        with_run(|run, plan, context| -> Result<(), TestCaseError> {
+            let extract = |plan| rrf_bake::extract_samples(run, plan, context, None, &());
             extract(plan).unwrap();
             let before = parts(run, plan);
             prop_assert!(before.iter().all(|table| !table.is_empty()));

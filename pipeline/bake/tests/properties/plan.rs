@@ -2,7 +2,7 @@
 
 use crate::room::with_run;
 use proptest::prelude::*;
-use rrf_bake::{CellPlan, DrawPlan, PartPlan, RoundPlan, tasks};
+use rrf_bake::{CellPlan, DrawPlan, PartPlan, RoundPlan};
 use rrf_field::tree::Tree;
 use std::collections::BTreeSet;
 
@@ -66,7 +66,7 @@ proptest! {
                     && parts.iter().all(|&(_, draw)| (draw as usize) < draws.len());
                 prop_assert_eq!(made.check().is_ok(), sound);
                 if sound {
-                    let tasks = tasks(run, &made).unwrap();
+                    let tasks = run.tasks(&made).unwrap();
                     prop_assert_eq!(tasks.len(), made.cells.len() * (1 + parts.len()) + parts.len());
                     let hashes: BTreeSet<_> = tasks.iter().map(|task| &task.hash).collect();
                     let fits = tasks.iter().filter(|task| task.part.is_none()).count();
@@ -79,7 +79,7 @@ proptest! {
     }
 }
 
-/// The fuzz targets begin with a run that opens, and with a plan, a judgement and tasks that are read
+/// The fuzz targets begin with a run that opens, and with a plan, a evaluation and tasks that are read
 /// to the end: a field that is added goes there too, and a version of the program makes other hashes
 /// (`rrf plan` in a folder of the seeds `run.json` and `plan.json`, without their first byte, writes them).
 #[test]
@@ -99,8 +99,8 @@ fn the_fuzz_targets_run_opens() {
     put("chapter.json", "rounds/000/tasks/00000.json");
     let run = rrf_bake::Run::open(folder.path()).unwrap();
     let plan = run.read_plan(0).unwrap().unwrap();
-    assert!(!rrf_bake::tasks(&run, &plan).unwrap().is_empty());
-    let judged = run.read_judged(0).unwrap().unwrap();
-    assert!(!judged.remedies.is_empty());
-    rrf_bake::Job::read(&run, 0, 0).unwrap().unwrap();
+    assert!(!run.tasks(&plan).unwrap().is_empty());
+    let judged = run.read_evaluated(0).unwrap().unwrap();
+    assert!(!judged.refinements.is_empty());
+    run.read_job(0, 0).unwrap().unwrap();
 }

@@ -1,6 +1,6 @@
 //! A bake of the Cornell box that takes milliseconds.
 
-use rrf_bake::{BakeConfig, Halt, Preset, RoundPlan, Run, Site, Stage, Watch};
+use rrf_bake::{BakeConfig, Preset, RoundPlan, Run, SamplingContext};
 use rrf_extract::Region;
 use rrf_scene::{LoadOptions, Scene};
 use rrf_trace::Tracer;
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Runs `work` with a new run folder, its first plan, and the scene ready to be sampled.
-pub fn with_run<T>(work: impl FnOnce(&Run, &RoundPlan, &Site) -> T) -> T {
+pub fn with_run<T>(work: impl FnOnce(&Run, &RoundPlan, &SamplingContext) -> T) -> T {
     let path = Path::new(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../scenes/cornell-box/scene.pbrt"
@@ -18,9 +18,9 @@ pub fn with_run<T>(work: impl FnOnce(&Run, &RoundPlan, &Site) -> T) -> T {
     let run = Run::create(folder.path(), &scene, &config(), false).unwrap();
     let scene = scene.unlit();
     let tracer = Tracer::new(&scene).unwrap();
-    let site = Site::new(&scene, &tracer, &run.config).unwrap();
-    let plan = rrf_bake::first_plan(&run, &site).unwrap();
-    work(&run, &plan, &site)
+    let context = SamplingContext::new(&scene, &tracer, &run.config).unwrap();
+    let plan = rrf_bake::plan_first(&run, &context).unwrap();
+    work(&run, &plan, &context)
 }
 
 fn config() -> BakeConfig {
@@ -52,16 +52,4 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         }
     }
     found
-}
-
-/// Nobody watches.
-pub struct Alone;
-
-impl Watch for Alone {
-    fn begin(&self, _stage: Stage, _round: u32, _total: u64) {}
-    fn advance(&self, _steps: u64) {}
-    fn end(&self) {}
-    fn halted(&self) -> Option<Halt> {
-        None
-    }
 }

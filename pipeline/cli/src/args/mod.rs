@@ -7,9 +7,8 @@ mod view;
 pub use bake::*;
 pub use view::*;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-pub use parse::Hidden;
-use parse::unit_interval;
+use clap::{Args, Parser, Subcommand};
+use rrf_bake::settings::SceneOptions;
 use std::path::PathBuf;
 
 /// Bakes a static scene's indirect light into small neural nets; viewpoint and lights stay free.
@@ -30,19 +29,19 @@ pub struct Cli {
 /// Every subcommand. Add one: a variant here, its arguments beside this file, its module and two lines in `cli/src/lib.rs`.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Load, plan, extract, train, judge: from a scene file to a run folder.
+    /// Bake a scene file into a run folder: load, plan, extract, train, evaluate.
     Bake(BakeArgs),
     /// The first stages of a bake alone: load, plan, extract.
     Extract(ExtractArgs),
-    /// The last stages of a bake alone: train, judge.
+    /// The last stages of a bake alone: train, evaluate.
     Train(TrainArgs),
-    /// Bake everything that a file lists; again: only what changed.
+    /// Bake everything that a file lists, or what has changed since.
     Run(RunArgs),
-    /// Tasks of a bake's next round as a table, for schedulers.
+    /// Write the tasks of a bake's next round as a table, for schedulers.
     Plan(PlanArgs),
-    /// Do one task of a plan; done ones are skipped.
+    /// Perform one task of a plan, unless it is done.
     Task(TaskArgs),
-    /// Check that a round's tasks are done, make their fits the model, plan the next round.
+    /// Commit a round whose tasks are done: its fits become the model, and the next round is planned.
     Commit(CommitArgs),
     /// Render a frame by the baked nets (plus exact direct light).
     Render(RenderArgs),
@@ -70,27 +69,6 @@ pub enum Command {
     Doctor(DoctorArgs),
 }
 
-/// How a scene file is read.
-#[derive(Args, Clone, Debug)]
-pub struct SceneOptions {
-    /// Reflectance of surfaces without a material.
-    #[arg(long, value_name = "A", default_value_t = 0.7, value_parser = unit_interval)]
-    pub default_albedo: f32,
-    /// Unit of glTF light intensities: the Blender exporter's three modes.
-    #[arg(long, value_enum, default_value_t = LightUnits::Spec)]
-    pub light_units: LightUnits,
-}
-
-/// Unit of glTF light intensities.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum LightUnits {
-    /// Candela, as the specification says.
-    Spec,
-    /// Radiometric, W/sr.
-    Compat,
-    /// Blender's own watts.
-    Raw,
-}
 /// `rrf query`.
 #[derive(Args, Clone, Debug)]
 pub struct QueryArgs {

@@ -1,65 +1,9 @@
 //! From typed text to values, with what would be right where it is wrong.
 
-fn numbers<const N: usize>(text: &str) -> Result<[f32; N], String> {
-    let given: Vec<&str> = text.split(',').collect();
-    if given.len() != N {
-        return Err(format!(
-            "needs {N} numbers with commas between, has {}",
-            given.len()
-        ));
-    }
-    let mut out = [0.0; N];
-    for (out, text) in out.iter_mut().zip(given) {
-        *out = number(text)?;
-    }
-    Ok(out)
-}
-
-fn number(text: &str) -> Result<f32, String> {
-    let x: f32 = text
-        .trim()
-        .parse()
-        .map_err(|_| format!("{text:?} is no number"))?;
-    if x.is_finite() {
-        Ok(x)
-    } else {
-        Err(format!("{text:?} is not finite"))
-    }
-}
-
-/// Units of hidden layers.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Hidden(pub Vec<usize>);
-
-pub fn parse_hidden(text: &str) -> Result<Hidden, String> {
-    let units: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-    match units {
-        Ok(units) if units.len() <= 2 && units.iter().all(|n| (1..=256).contains(n)) => {
-            Ok(Hidden(units))
-        }
-        _ => Err("needs one or two layers of 1 to 256 units, for example 20,10".into()),
-    }
-}
-
-/// The name of an input of a net.
-pub fn parse_input(text: &str) -> Result<String, String> {
-    if rrf_field::inputs::NAMES.contains(&text) {
-        return Ok(text.into());
-    }
-    let known = rrf_field::inputs::NAMES.join(" ");
-    Err(format!("is no input of a net; there are {known}"))
-}
+use rrf_bake::settings::parse::numbers;
 
 pub fn parse_vec3(text: &str) -> Result<[f32; 3], String> {
     numbers::<3>(text)
-}
-
-pub fn parse_box(text: &str) -> Result<[f32; 6], String> {
-    let b = numbers::<6>(text)?;
-    if (0..3).any(|i| b[i] > b[i + 3]) {
-        return Err("the first corner has to be the smaller one on every axis".into());
-    }
-    Ok(b)
 }
 
 pub fn parse_light(text: &str) -> Result<[f32; 6], String> {
@@ -81,24 +25,6 @@ pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     match parsed {
         Some([w, h]) if (1..=16384).contains(&w) && (1..=16384).contains(&h) => Ok([w, h]),
         _ => Err("needs WIDTHxHEIGHT, each from 1 to 16384, for example 640x480".into()),
-    }
-}
-
-pub fn positive(text: &str) -> Result<f32, String> {
-    let x = number(text)?;
-    if x > 0.0 {
-        Ok(x)
-    } else {
-        Err("has to be above 0".into())
-    }
-}
-
-pub fn unit_interval(text: &str) -> Result<f32, String> {
-    let x = number(text)?;
-    if (0.0..=1.0).contains(&x) {
-        Ok(x)
-    } else {
-        Err("has to be from 0 to 1".into())
     }
 }
 

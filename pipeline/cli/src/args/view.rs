@@ -1,8 +1,9 @@
 //! Arguments of pictures.
 
 use super::SceneOptions;
-use super::parse::{parse_light, parse_size, parse_vec3, positive};
+use super::parse::{parse_light, parse_size, parse_vec3};
 use clap::{Args, ValueEnum};
+use rrf_bake::settings::parse::positive;
 use std::path::PathBuf;
 
 /// A camera and lights; what is not given comes from the scene.

@@ -1,0 +1,38 @@
+//! A scene prepared for sampling.
+
+use crate::error::BakeError;
+use crate::settings::BakeConfig;
+use rrf_extract::{Eyes, VisibilityQueries};
+use rrf_scene::Scene;
+use rrf_trace::Tracer;
+
+/// A scene prepared for sampling. Training needs none.
+pub struct SamplingContext<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) tracer: &'a Tracer<'a>,
+    pub(crate) visibility: VisibilityQueries<'a>,
+    pub(crate) eyes: Option<Eyes>,
+}
+
+impl<'a> SamplingContext<'a> {
+    /// Prepares a scene, without its own lights, for the settings of a bake.
+    ///
+    /// # Errors
+    /// [`BakeError::Extract`] for settings that the scene does not allow.
+    pub fn new(
+        scene: &'a Scene,
+        tracer: &'a Tracer<'a>,
+        config: &BakeConfig,
+    ) -> Result<SamplingContext<'a>, BakeError> {
+        config.validate(scene)?;
+        let visibility = VisibilityQueries::new(scene, tracer);
+        let eye_box = config.extract.eye_box;
+        let eyes = eye_box.map(|eye_box| Eyes::new(&visibility, eye_box));
+        Ok(SamplingContext {
+            scene,
+            tracer,
+            eyes: eyes.transpose()?,
+            visibility,
+        })
+    }
+}

@@ -1,0 +1,141 @@
+//! An open run folder.
+
+use crate::error::BakeError;
+use crate::policy::tasks::RunInputs;
+use crate::run::json::corrupt;
+use crate::run::manifest::{expect_same, manifest};
+use crate::settings::BakeConfig;
+use rrf_scene::Scene;
+use rrf_store::layout::{model_folder, round_folder};
+use rrf_store::manifest::{RunFacts, RunManifest};
+use std::path::{Path, PathBuf};
+
+/// An open run folder.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The folder.
+    pub folder: PathBuf,
+    /// `run.json`.
+    pub manifest: RunManifest,
+    /// The settings in it.
+    pub config: BakeConfig,
+}
+
+impl Run {
+    /// Starts a run, or opens the same one to continue it.
+    ///
+    /// # Errors
+    /// [`BakeError::Extract`] for settings that the scene does not allow, [`BakeError::Exists`] for
+    /// an existing run where `resume` is not set, [`BakeError::OtherRun`] where it was started with
+    /// another scene or other settings, [`BakeError::Store`].
+    pub fn create(
+        folder: &Path,
+        scene: &Scene,
+        config: &BakeConfig,
+        resume: bool,
+    ) -> Result<Run, BakeError> {
+        // before anything is written: a folder with a manifest counts as a run
+        config.validate(scene)?;
+        let run = Run::unwritten(folder, scene, config)?;
+        if !run.exists() {
+            run.manifest.write(folder)?;
+            return Ok(run);
+        }
+        if !resume {
+            return Err(BakeError::Exists {
+                path: folder.into(),
+            });
+        }
+        let found = Run::open(folder)?;
+        expect_same(folder, (&found.manifest, &found.config), &run.manifest)?;
+        Ok(found)
+    }
+
+    /// A run with these settings, of which nothing is written yet.
+    pub(crate) fn unwritten(
+        folder: &Path,
+        scene: &Scene,
+        config: &BakeConfig,
+    ) -> Result<Run, BakeError> {
+        Ok(Run {
+            folder: folder.into(),
+            manifest: manifest(scene, config)?,
+            config: config.clone(),
+        })
+    }
+
+    /// Opens an existing run.
+    ///
+    /// # Errors
+    /// [`BakeError::Store`].
+    pub fn open(folder: &Path) -> Result<Run, BakeError> {
+        let manifest = RunManifest::read(folder)?;
+        let config = serde_json::from_value(manifest.config.clone())
+            .map_err(|error| corrupt(&RunManifest::path(folder), error))?;
+        Ok(Run {
+            folder: folder.into(),
+            manifest,
+            config,
+        })
+    }
+
+    /// Reads the scene of the run again and checks it against the run's hash.
+    ///
+    /// # Errors
+    /// [`BakeError::Scene`], [`BakeError::OtherRun`].
+    pub fn load_scene(&self) -> Result<Scene, BakeError> {
+        let scene = rrf_scene::load(&self.manifest.scene, &self.config.load_options())?;
+        let asked = scene.hash_hex();
+        if asked != self.manifest.scene_hash {
+            return Err(BakeError::OtherRun {
+                path: self.folder.clone(),
+                what: "scene: the file has changed since the bake",
+                found: self.manifest.scene_hash.clone(),
+                asked,
+            });
+        }
+        Ok(scene)
+    }
+
+    /// The facts that every table of the run has to agree with.
+    pub fn facts(&self) -> RunFacts {
+        self.manifest.facts()
+    }
+
+    /// What task hashes depend on besides a plan.
+    pub(crate) fn inputs(&self) -> RunInputs<'_> {
+        RunInputs {
+            manifest: &self.manifest,
+            config: &self.config,
+        }
+    }
+
+    /// Whether the folder holds a run.
+    pub(crate) fn exists(&self) -> bool {
+        RunManifest::path(&self.folder).exists()
+    }
+
+    /// Passes on a result unless the folder has disappeared meanwhile: what was written then is lost,
+    /// and what was not found proves nothing.
+    pub(crate) fn unless_gone<T>(&self, result: Result<T, BakeError>) -> Result<T, BakeError> {
+        match self.exists() {
+            true => result,
+            false => Err(BakeError::Gone {
+                path: self.folder.clone(),
+            }),
+        }
+    }
+
+    /// Whether all tables of a model exist.
+    pub(crate) fn has_model(&self) -> bool {
+        let folder = model_folder(&self.folder);
+        let tables = ["tree", "weights", "metrics"];
+        let path = |table: &str| folder.join(format!("{table}.arrow"));
+        tables.iter().all(|table| path(table).exists())
+    }
+
+    /// The path of a file of a round.
+    pub(crate) fn round_file(&self, round: u32, name: &str) -> PathBuf {
+        round_folder(&self.folder, round).join(name)
+    }
+}

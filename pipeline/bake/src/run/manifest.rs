@@ -1,0 +1,88 @@
+//! The manifest of a run, and how two of them differ.
+
+use crate::error::BakeError;
+use crate::run::json::corrupt;
+use crate::settings::BakeConfig;
+use rrf_scene::Scene;
+use rrf_store::manifest::{FORMAT, RunManifest};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The manifest of a bake.
+pub(crate) fn manifest(scene: &Scene, config: &BakeConfig) -> Result<RunManifest, BakeError> {
+    let light_box = config.extract.light_box;
+    let (low, high) = (light_box.minimum, light_box.maximum);
+    let source = std::path::absolute(&scene.source).unwrap_or_else(|_| scene.source.clone());
+    Ok(RunManifest {
+        format: FORMAT,
+        created_by: format!("rrf {}", env!("CARGO_PKG_VERSION")),
+        scene: source,
+        scene_hash: scene.hash_hex(),
+        seed: config.extract.seed,
+        light_box: [low[0], low[1], low[2], high[0], high[1], high[2]],
+        config: to_value(config)?,
+    })
+}
+
+fn to_value(config: &BakeConfig) -> Result<Value, BakeError> {
+    Ok(serde_json::to_value(config).map_err(|error| corrupt(Path::new("run.json"), error))?)
+}
+
+/// Checks that the run in a folder was started with the scene and settings of another manifest.
+///
+/// # Errors
+/// [`BakeError::OtherRun`] naming the first difference.
+pub(crate) fn expect_same(
+    folder: &Path,
+    (found, config): (&RunManifest, &BakeConfig),
+    asked: &RunManifest,
+) -> Result<(), BakeError> {
+    // as parsed: settings that are younger than the run have their defaults
+    let config = to_value(config)?;
+    // another program has other task hashes, and may draw other rows
+    let pairs = [
+        (
+            "program",
+            found.created_by.clone(),
+            asked.created_by.clone(),
+        ),
+        ("scene", found.scene_hash.clone(), asked.scene_hash.clone()),
+        ("seed", found.seed.to_string(), asked.seed.to_string()),
+        (
+            "configuration",
+            differing(&config, &asked.config),
+            differing(&asked.config, &config),
+        ),
+    ];
+    match pairs.into_iter().find(|(_, found, asked)| found != asked) {
+        Some((what, found, asked)) => Err(BakeError::OtherRun {
+            path: folder.into(),
+            what,
+            found,
+            asked,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// The settings of one configuration that differ from another's: `extract.rows 2000, extract.paths 4`.
+fn differing(config: &Value, other: &Value) -> String {
+    let other = flatten(other, "");
+    let settings = flatten(config, "").into_iter();
+    let differing = settings.filter(|(name, value)| other.get(name) != Some(value));
+    let named: Vec<String> = differing
+        .map(|(name, value)| format!("{name} {value}"))
+        .collect();
+    named.join(", ")
+}
+
+/// Every setting by its dotted name; a list is one setting.
+fn flatten(value: &Value, name: &str) -> BTreeMap<String, String> {
+    let Value::Object(fields) = value else {
+        return BTreeMap::from([(name.into(), value.to_string())]);
+    };
+    let dot = if name.is_empty() { "" } else { "." };
+    let inner = |(field, value)| flatten(value, &format!("{name}{dot}{field}"));
+    fields.iter().flat_map(inner).collect()
+}

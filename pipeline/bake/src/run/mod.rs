@@ -1,0 +1,10 @@
+//! The files of a run folder: manifest, plans, task shards, evaluations, samples and timings.
+
+pub(crate) mod folder;
+pub(crate) mod json;
+mod manifest;
+mod renew;
+pub(crate) mod rounds;
+pub(crate) mod samples;
+pub(crate) mod shards;
+pub(crate) mod timings;

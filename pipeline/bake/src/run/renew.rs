@@ -1,0 +1,75 @@
+//! Continuing a run with other settings.
+
+use crate::error::BakeError;
+use crate::plan::round::RoundPlan;
+use crate::run::folder::Run;
+use crate::run::json::{read_json, remove_file, remove_folder};
+use crate::run::manifest::manifest;
+use crate::settings::BakeConfig;
+use rrf_scene::Scene;
+use rrf_store::layout::round_folder;
+use rrf_store::manifest::RunManifest;
+use rrf_store::parts::remove_part;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+impl Run {
+    /// Prepares a folder to be resumed with these settings: removes what depends on a difference and
+    /// keeps the rest. Another scene, seed, program or setting of the extraction leaves nothing.
+    /// Other settings leave the samples of the first round and all fits, which tasks with the same
+    /// inputs find done. A folder without a run is left alone.
+    ///
+    /// # Errors
+    /// [`BakeError::Store`].
+    pub fn renew(folder: &Path, scene: &Scene, config: &BakeConfig) -> Result<(), BakeError> {
+        if !RunManifest::path(folder).exists() {
+            return Ok(());
+        }
+        let found = RunManifest::read(folder)?;
+        let asked = manifest(scene, config)?;
+        if found == asked {
+            return Ok(());
+        }
+        let same = found.facts() == asked.facts()
+            && found.config.get("extract") == asked.config.get("extract")
+            && found.created_by == asked.created_by;
+        let gone: &[&str] = match same {
+            true => &["model"],
+            false => &["model", "samples", "test", "rounds"],
+        };
+        for name in gone {
+            remove_folder(&folder.join(name))?;
+        }
+        if same {
+            retire_plans(folder)?;
+        }
+        Ok(asked.write(folder)?)
+    }
+}
+
+/// Removes the plan and evaluation of every round, and the samples that the first round does not
+/// have. Plans are made again, and their tasks are found done where nothing changed. Works from the last
+/// round down, so that a removal that was interrupted is completed by the next one.
+fn retire_plans(folder: &Path) -> Result<(), BakeError> {
+    let read = |round: u32| read_json::<RoundPlan>(&round_folder(folder, round).join("plan.json"));
+    let Some(first) = read(0)? else {
+        return Ok(());
+    };
+    let first: BTreeSet<_> = first.part_ids().collect();
+    let mut rounds = 0;
+    while round_folder(folder, rounds).exists() {
+        rounds += 1;
+    }
+    for round in (0..rounds).rev() {
+        let plan = read(round)?;
+        let parts = plan.iter().flat_map(RoundPlan::part_ids);
+        for [cell, part] in parts.filter(|part| !first.contains(part)) {
+            remove_part(folder, cell, part)?;
+        }
+        for name in ["judged.json", "tasks.parquet", "plan.json"] {
+            remove_file(&round_folder(folder, round).join(name))?;
+        }
+        remove_folder(&round_folder(folder, round).join("tasks"))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,223 @@
+//! The settings of a bake, described once: [`Settings`] is what a user may ask for, on the command line
+//! and in a batch file; [`BakeConfig`] is what that means for a scene, recorded in `run.json`.
+//!
+//! A new setting is a field here, the line of [`Settings::config`] that applies it, and its use.
+
+mod method;
+pub mod parse;
+mod scene;
+mod table;
+
+pub use method::Method;
+pub use parse::Hidden;
+pub use scene::SceneOptions;
+
+use crate::error::BakeError;
+use clap::{Args, ValueEnum};
+use parse::{input, positive, region};
+use rrf_extract::{ExtractConfig, ExtractError, Region, Weights};
+use rrf_scene::{LightUnits, LoadOptions, Scene};
+use rrf_train::{LmConfig, Precision, TrainConfig};
+use serde::{Deserialize, Serialize};
+
+/// Options of a bake.
+#[derive(Args, Clone, Debug)]
+pub struct Settings {
+    /// Box that lights may be in; by default the middle 80 % of the scene's bounds.
+    #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = region, allow_hyphen_values = true)]
+    pub light_box: Option<Region>,
+    /// Box that eyes may be in. Surfaces that cannot be seen from 64 places in it get no rows and
+    /// count in no error. By default all surfaces count.
+    #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = region, allow_hyphen_values = true)]
+    pub eye_box: Option<Region>,
+    /// Relative error to reach.
+    #[arg(long, default_value_t = 0.05, value_parser = positive)]
+    pub target: f32,
+    /// Seed of all random numbers.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Amount of work.
+    #[arg(long, value_enum, default_value_t = Preset::Standard)]
+    pub preset: Preset,
+    /// Method that cells are fitted by: nets, or a baseline to compare them with.
+    #[arg(long, value_enum, default_value_t = Method::Nets)]
+    pub method: Method,
+    /// Units of the nets' hidden layers, from the inputs on, instead of 20,10 (global-net: 32,16).
+    #[arg(long, value_name = "A[,B]")]
+    pub hidden: Option<Hidden>,
+    /// Names of the nets' inputs. Those that vary in a cell are used. By default these are position,
+    /// normal, viewer, light and material, without the normal and material where the position
+    /// determines them. Previews, regressions and global-net use all of these, and the direction and
+    /// inverse distance to the light.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = input)]
+    pub inputs: Option<Vec<String>>,
+    /// Rows of all cells together, instead of the preset's number.
+    #[arg(long, value_name = "N")]
+    pub rows: Option<u32>,
+    /// Paths for each row, instead of the preset's number.
+    #[arg(long, value_name = "N")]
+    pub paths: Option<u32>,
+    /// Maximum of cells in the first round, instead of the preset's.
+    #[arg(long, value_name = "N")]
+    pub cells: Option<u32>,
+    /// Maximum of rounds, instead of the preset's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub rounds: Option<u32>,
+    /// Maximum of cells in all rounds, instead of the preset's.
+    #[arg(long, value_name = "N")]
+    pub most_cells: Option<u32>,
+    /// Keep the size of the nets when the target is met, instead of making them smaller until it is
+    /// only just met.
+    #[arg(long = "no-trim", action = clap::ArgAction::SetFalse)]
+    pub trim: bool,
+    /// How the scene is read.
+    #[command(flatten)]
+    pub scene: SceneOptions,
+}
+
+impl Settings {
+    /// What the settings mean for a scene.
+    ///
+    /// # Errors
+    /// [`BakeError::Setting`] for options that contradict each other or the scene,
+    /// [`BakeError::Extract`] for a scene without surfaces.
+    pub fn config(&self, scene: &Scene) -> Result<BakeConfig, BakeError> {
+        let light_box = match self.light_box {
+            Some(light_box) => light_box,
+            None => middle(scene)?,
+        };
+        let mut config = BakeConfig::preset(self.preset, light_box, self.seed);
+        config.target = self.target;
+        config.default_albedo = self.scene.default_albedo;
+        config.light_units = self.scene.light_units;
+        config.extract.eye_box = self.eye_box;
+        config.extract.rows = self.rows.unwrap_or(config.extract.rows);
+        config.extract.paths = self.paths.unwrap_or(config.extract.paths);
+        config.extract.cells = self.cells.unwrap_or(config.extract.cells);
+        config.rounds = self.rounds.unwrap_or(config.rounds);
+        let most_cells = config.most_cells.max(config.extract.cells);
+        config.most_cells = self.most_cells.unwrap_or(most_cells);
+        config.compress = self.trim;
+        method::apply(&mut config, self, scene)?;
+        if let Some(inputs) = &self.inputs {
+            config.train.inputs.clone_from(inputs);
+            config.train.drop_redundant = false;
+        }
+        Ok(config)
+    }
+}
+
+/// The middle 80 % of the scene's bounds on each axis.
+fn middle(scene: &Scene) -> Result<Region, ExtractError> {
+    let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
+    let inner = |i: usize, share: f32| bounds.min[i] + share * (bounds.max[i] - bounds.min[i]);
+    Ok(Region {
+        minimum: std::array::from_fn(|i| inner(i, 0.1)),
+        maximum: std::array::from_fn(|i| inner(i, 0.9)),
+    })
+}
+
+/// Amount of work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Preset {
+    /// Seconds: to check a scene and its light box.
+    Preview,
+    /// Minutes: as for the figures in the README.
+    Standard,
+    /// Hours: for the smallest error.
+    Fine,
+}
+
+/// The settings of all stages, recorded in `run.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BakeConfig {
+    /// The preset that the others started from.
+    pub preset: Preset,
+    /// Relative error to reach.
+    pub target: f32,
+    /// Reflectance of surfaces without a material.
+    pub default_albedo: f32,
+    /// Unit of glTF light intensities.
+    pub light_units: LightUnits,
+    /// Maximum of rounds.
+    pub rounds: u32,
+    /// Maximum of cells in all rounds.
+    pub most_cells: u32,
+    /// Makes nets smaller once the target is met.
+    #[serde(default, rename = "trim")]
+    pub compress: bool,
+    /// Plan and extraction.
+    pub extract: ExtractConfig,
+    /// Training.
+    pub train: TrainConfig,
+}
+
+impl BakeConfig {
+    /// A preset's settings.
+    pub fn preset(preset: Preset, light_box: Region, seed: u64) -> BakeConfig {
+        let (cells, rows, paths, rounds, most_cells) = match preset {
+            Preset::Preview => (16, 40_000, 64, 1, 16),
+            Preset::Standard => (8, 50_000, 128, 32, 1000),
+            Preset::Fine => (32, 300_000, 128, 48, 4096),
+        };
+        let small_cells = preset != Preset::Preview;
+        let mut train = TrainConfig {
+            seed,
+            drop_redundant: small_cells,
+            exponential: true,
+            precision: Precision::Single,
+            lm: LmConfig {
+                reuse: 4,
+                ..LmConfig::default()
+            },
+            ..TrainConfig::default()
+        };
+        if small_cells {
+            train
+                .inputs
+                .retain(|name| !WAY_TO_LIGHT.contains(&name.as_str()));
+        }
+        BakeConfig {
+            preset,
+            target: 0.05,
+            default_albedo: 0.7,
+            light_units: LightUnits::Spec,
+            rounds,
+            most_cells,
+            compress: true,
+            extract: ExtractConfig {
+                light_box,
+                eye_box: None,
+                seed,
+                candidates: 65_536,
+                cells,
+                rows,
+                fewest_rows: 1_000,
+                paths,
+                weights: Weights::default(),
+            },
+            train,
+        }
+    }
+
+    /// Checks the settings against each other and the scene.
+    ///
+    /// # Errors
+    /// [`ExtractError`].
+    pub fn validate(&self, scene: &Scene) -> Result<(), ExtractError> {
+        let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
+        self.extract.validate(&bounds)
+    }
+
+    /// The options that the scene file is read with.
+    pub fn load_options(&self) -> LoadOptions {
+        LoadOptions {
+            default_albedo: self.default_albedo,
+            light_units: self.light_units,
+        }
+    }
+}
+
+/// Inputs that small cells do without: nets learn them from the point and the light (docs/accuracy.md).
+const WAY_TO_LIGHT: [&str; 4] = ["dx", "dy", "dz", "inv_distance"];
