@@ -7,3 +7,4 @@ mod irradiance;
 mod patches;
 mod rows;
 mod scenes;
+mod schema;
