@@ -20,6 +20,8 @@ use rrf_trace::Stream;
 pub struct Net {
     mean: Array1<f64>,
     scale: Array1<f64>,
+    /// Least and largest of each scaled input: beyond them a net only guesses.
+    range: [Array1<f64>; 2],
     /// Shape [hidden, inputs + 1].
     hidden: Array2<f64>,
     /// Shape [1 + inputs + hidden, outputs].
@@ -71,7 +73,14 @@ impl Net {
             y,
             settings: *settings,
         };
+        let extreme = |pick: fn(f64, f64) -> f64, from: f64| {
+            inputs.fold_axis(Axis(0), from, |&a, &b| pick(a, b))
+        };
         let mut net = Net {
+            range: [
+                extreme(f64::min, f64::INFINITY),
+                extreme(f64::max, f64::NEG_INFINITY),
+            ],
             mean,
             scale,
             output: Array2::zeros((1 + d + hidden.nrows(), fit.y.ncols())),
@@ -103,7 +112,10 @@ impl Net {
 
     /// The outputs for one row of inputs.
     pub fn evaluate(&self, inputs: &[f64]) -> Vec<f64> {
-        let x = (&Array1::from(inputs.to_vec()) - &self.mean) * &self.scale;
+        let mut x = (&Array1::from(inputs.to_vec()) - &self.mean) * &self.scale;
+        for (j, x) in x.iter_mut().enumerate() {
+            *x = x.clamp(self.range[0][j], self.range[1][j]);
+        }
         let x = x.insert_axis(Axis(0));
         features(&x, &self.hidden)
             .dot(&self.output)
