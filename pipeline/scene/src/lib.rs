@@ -43,8 +43,9 @@ pub use error::SceneError;
 pub use load::load;
 pub use measure::Bounds;
 pub use options::{LightUnits, LoadOptions};
+pub use rrf_lights::{AreaLight, PointLight};
 pub use rrf_materials::{INVALID, Material, MaterialKind, Texture};
-pub use scene::{AreaLight, Camera, PointLight, Scene, Warning};
+pub use scene::{Camera, Scene, Warning};
 pub use summary::{
     AreaLightSummary, CameraSummary, MaterialSummary, ObjectSummary, PointLightSummary, Summary,
     TextureSummary,

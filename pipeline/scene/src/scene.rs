@@ -1,27 +1,9 @@
 //! The scene's columns.
 
 use glam::{Vec2, Vec3};
+use rrf_lights::{AreaLight, PointLight};
 use rrf_materials::{Material, Texture};
 use std::path::PathBuf;
-
-/// An isotropic point light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointLight {
-    /// World position.
-    pub position: Vec3,
-    /// Radiant intensity a channel [W/sr].
-    pub intensity: Vec3,
-}
-
-/// The emission of a group of triangles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AreaLight {
-    /// Emitted radiance a channel [W/(sr m^2)].
-    pub radiance: Vec3,
-    /// Emits from the back of its triangles too. The front is the side that
-    /// the triangle's geometric normal (p1-p0) x (p2-p0) points to.
-    pub two_sided: bool,
-}
 
 /// A pinhole camera. `right`, `up` and `forward` are unit and orthogonal, and may be
 /// left-handed (pbrt scenes often mirror).
