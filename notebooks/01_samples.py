@@ -87,21 +87,20 @@ halves = np.stack([rt.stack(table, [f"y{half}_{c}" for c in rt.RGB]) for half in
 assert (halves >= 0).all() and np.isfinite(halves).all()
 difference = halves[0] - halves[1]
 z = difference.mean(0) / (difference.std(0, ddof=1) / len(difference) ** 0.5)
-print("z of the halves' difference", z.round(2), "limit", round(rt.z_limit(3), 2))
-assert abs(z).max() < rt.z_limit(3)
+print("z of the halves' difference", z.round(2), "limit", round(rt.truth.z_limit(3), 2))
+assert abs(z).max() < rt.truth.z_limit(3)
 
 # %% [markdown]
 # ## Noise, from the halves
 # The standard error of a row's mean is estimated by half the difference of its halves. Relative to
-# max(lum, ε), root mean square over a cell, it is the column `noise` of the metrics, recomputed here.
+# max(c, ε), c the channel mean, root mean square over a cell, it is the column `noise` of the metrics, recomputed here.
 # The bake's ε is of the scene's mean, where each cell counts by its share of the scene; here rows
 # count alike. It matters to the darkest rows alone: 1 % is allowed for it.
 
 # %%
-mean = halves.mean(0)
-luminance = mean.mean(1)
-floor = 0.05 * luminance.mean()
-relative = (difference / 2 / np.maximum(luminance, floor)[:, None]) ** 2
+mean = rt.truth.channel_mean(halves.mean(0))
+floor = rt.truth.EPSILON_SHARE * mean.mean()
+relative = rt.truth.noise_of_halves(halves, rt.truth.level(halves.mean(0)))
 ids = table["cell_id"].to_numpy()
 noise = np.array([relative[ids == cell].mean() ** 0.5 for cell in cells])
 stated = np.array(metrics["noise"].to_pylist())
@@ -110,9 +109,9 @@ print(f"noise of the cells {noise.min():.3f} to {noise.max():.3f}; stated and re
 assert np.allclose(noise, stated, rtol=1e-2)
 
 figure, axes = plt.subplots(1, 2, figsize=(10, 3.2))
-axes[0].hist(np.log10(np.maximum(luminance, 1e-6)), bins=80)
+axes[0].hist(np.log10(np.maximum(mean, 1e-6)), bins=80)
 axes[0].axvline(np.log10(floor), color="k", lw=1, label="ε = 5 % of the mean")
-axes[0].set(xlabel="log10 of luminance [W/(sr m²)]", ylabel="rows")
+axes[0].set(xlabel="log10 of the channel mean [W/(sr m²)]", ylabel="rows")
 axes[0].legend()
 axes[1].bar(cells, 100 * noise)
 axes[1].set(xlabel="cell", ylabel="noise of a row [%]")
@@ -126,9 +125,9 @@ figure.tight_layout()
 
 # %%
 rng = np.random.default_rng(2)
-draws = [luminance[rng.integers(0, len(luminance), len(luminance))].mean() for _ in range(400)]
-analytic = luminance.std(ddof=1) / len(luminance) ** 0.5
-print(f"mean luminance {luminance.mean():.5f} ± {analytic:.5f} W/(sr m²); bootstrap says ± {np.std(draws):.5f}")
+draws = [mean[rng.integers(0, len(mean), len(mean))].mean() for _ in range(400)]
+analytic = mean.std(ddof=1) / len(mean) ** 0.5
+print(f"mean radiance {mean.mean():.5f} ± {analytic:.5f} W/(sr m²); bootstrap says ± {np.std(draws):.5f}")
 # the sample deviation of 400 draws: relative standard error 1/sqrt(2 * 399) = 3.5 %; 4.9 of them
 # are 1e-6 two-sided
 assert abs(np.std(draws, ddof=1) / analytic - 1) < 4.9 / (2 * 399) ** 0.5

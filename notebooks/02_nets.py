@@ -206,7 +206,7 @@ assert (effective[known] > 3).all() and (effective[known] <= total[known] * (1 +
 
 # %%
 m, se = rt.stack(truth, rt.RGB), rt.stack(truth, [c + "_se" for c in rt.RGB])
-error, error_se = rt.relative_error(answered, m, se)
+error, error_se = rt.truth.relative_error(answered, m, se)
 square = metrics["relative_square_error_validation"].to_numpy()
 count = metrics["validation_rows"].to_numpy()
 own = max((square * count).sum() / count.sum(), 0) ** 0.5

@@ -33,7 +33,7 @@ demo = rt.demo()
 model, traced = rt.read_exr(demo / "model.exr"), rt.read_exr(demo / "traced.exr")
 said = rt.compare(demo / "model.exr", demo / "traced.exr")
 stops = said["exposure"]["ev"]
-pictures = {"nets": rt.shown(model["full"], stops), "path traced": rt.shown(traced["full"], stops)}
+pictures = {"nets": rt.truth.shown(model["full"], stops), "path traced": rt.truth.shown(traced["full"], stops)}
 
 # %% [markdown]
 # ## ΔE by colour-science
@@ -62,7 +62,7 @@ for name, values in maps.items():
 # ## FLIP by flip-evaluator
 
 # %%
-encoded = {name: rt.srgb(picture).astype(np.float32) for name, picture in pictures.items()}
+encoded = {name: rt.truth.srgb(picture).astype(np.float32) for name, picture in pictures.items()}
 flip_map, mean_flip, parameters = flip_evaluator.evaluate(
     encoded["path traced"], encoded["nets"], "LDR", inputsRGB=True, applyMagma=False, computeMeanError=True
 )

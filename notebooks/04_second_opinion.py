@@ -89,7 +89,7 @@ def flips(ours, theirs):
 figure, axes = plt.subplots(3, len(frames), figsize=(3 * len(frames), 8.6))
 for column, (name, (ours, theirs)) in zip(axes.T, frames.items()):
     z, edges, blocks = scores(ours, theirs)
-    limit = rt.z_limit(z.size)
+    limit = rt.truth.z_limit(z.size)
     bias = ours.mean() / theirs.mean() - 1
     whole = stats.ttest_ind(ours.mean((1, 2, 3)), theirs.mean((1, 2, 3)), equal_var=False)
     print(f"{name:<26} bias {100 * bias:+.2f} %, whole p {whole.pvalue:.3f}; {z.size} tests, largest |z| "
@@ -98,7 +98,7 @@ for column, (name, (ours, theirs)) in zip(axes.T, frames.items()):
     assert abs(z).max() < limit and whole.pvalue > 1e-4
     for ax, picture in zip(column, (ours, theirs)):
         stops = np.log2(0.8 / np.quantile(theirs.mean(0), 0.95))
-        ax.imshow(rt.srgb(rt.shown(picture.mean(0), stops)))
+        ax.imshow(rt.truth.srgb(rt.truth.shown(picture.mean(0), stops)))
     column[0].set_title(name, fontsize=9)
     shown = column[2].imshow(z[..., 1], cmap="coolwarm", vmin=-limit, vmax=limit)
 for ax, label in zip(axes[:, 0], ("rrf trace", "Mitsuba 3", "z, green channel")):
@@ -117,7 +117,7 @@ for name, (ours, theirs) in frames.items():
     z, _, _ = scores(ours * [1.03, 1, 1], theirs)
     whole = stats.ttest_ind(1.03 * ours[..., 0].mean((1, 2)), theirs[..., 0].mean((1, 2)), equal_var=False)
     print(f"{name:<26} largest |z| {abs(z).max():.1f}, whole p {whole.pvalue:.1e}")
-    assert abs(z).max() > rt.z_limit(z.size) or whole.pvalue < 1e-4
+    assert abs(z).max() > rt.truth.z_limit(z.size) or whole.pvalue < 1e-4
 
 # %% [markdown]
 # ## The camera of the file

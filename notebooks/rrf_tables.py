@@ -1,11 +1,10 @@
-"""What the notebooks share: where things are, how tables and frames are read, and test limits."""
+"""What the notebooks share: where things are, and how tables and frames are read."""
 
 import json
 import os
 import pathlib
 import subprocess
 import sys
-from statistics import NormalDist
 
 import numpy as np
 import OpenEXR
@@ -17,6 +16,7 @@ sys.path.insert(0, str(ROOT / "tests/python"))
 
 import contract  # noqa: E402, F401 (the schemas, for the notebooks)
 import nets  # noqa: E402, F401 (the nets in numpy, for the notebooks)
+import rrf_truth as truth  # noqa: E402, F401 (errors and limits, for the notebooks)
 
 ORACLE = ROOT / "tests/data/oracle"
 SCENES = ROOT / "scenes"
@@ -112,31 +112,6 @@ def read_exr(path) -> dict[str, np.ndarray]:
 
 def compare(a, b, layer="full") -> dict:
     """`rrf compare --json` with its measures by name."""
-    out = json.loads(rrf("compare", a, b, "--layer", layer, "--json"))
-    return out | {m["name"]: m["value"] for m in out["measures"]}
+    out = rrf("compare", a, b, "--layer", layer, "--json")
+    return json.loads(out) | truth.measures(out)
 
-
-def shown(picture, stops) -> np.ndarray:
-    """Linear [0, 1] that a display emits: exposure, clip. What `rrf compare` judges."""
-    return np.clip(picture * 2.0**stops, 0, 1)
-
-
-def srgb(linear) -> np.ndarray:
-    """sRGB encoding (IEC 61966-2-1) of linear values in [0, 1]."""
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-12) ** (1 / 2.4) - 0.055)
-
-
-def z_limit(tests: int, significance: float = 1e-4) -> float:
-    """Two-sided normal limit for the largest of `tests` |z|, Sidak-corrected."""
-    each = 1 - (1 - significance) ** (1 / tests)
-    return NormalDist().inv_cdf(1 - each / 2)
-
-
-def relative_error(predicted, truth, truth_error) -> tuple[float, float]:
-    """sqrt(mean((p - m)^2 / max(lum(m), eps)^2)) and its standard error, the noise of the truth
-    taken out; eps is 5 % of the mean luminance, luminance the mean of r, g, b. Shapes [rows, 3]."""
-    luminance = truth.mean(1, keepdims=True)
-    scale = np.maximum(luminance, 0.05 * luminance.mean())
-    square = (((predicted - truth) ** 2 - truth_error**2) / scale**2).mean(1)
-    error = max(square.mean(), 0.0) ** 0.5
-    return error, square.std(ddof=1) / len(square) ** 0.5 / max(2 * error, 1e-9)

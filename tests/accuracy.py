@@ -19,6 +19,9 @@ import time
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE / "python"))
+import rrf_truth  # noqa: E402
+
 ROOM = [(-0.9, 0.9), (0.1, 1.9), (-0.9, 0.9)]
 MIDDLE = [(-0.5, 0.5), (0.5, 1.5), (-0.9, 0.0)]
 # footprint corner, its two edges (x, z) and height of the Cornell box's two solids
@@ -68,9 +71,9 @@ def place(rng, box):
 
 
 def measures(rrf, a, b):
-    found = json.loads(run([rrf, "compare", a, b, "--json"]))
-    values = {m["name"]: m["value"] for m in found["measures"]}
-    return values, found["exposure"]["ev"]
+    text = run([rrf, "compare", a, b, "--json"])
+    found = json.loads(text)
+    return rrf_truth.measures(text), found["exposure"]["ev"]
 
 
 def views(light_box, eyes, targets):

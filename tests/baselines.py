@@ -27,10 +27,11 @@ from scipy.sparse.linalg import lsmr
 from scipy.spatial import cKDTree
 
 sys.path.insert(0, str(Path(__file__).resolve().parent / "python"))
+import rrf_truth  # noqa: E402
 from split import held_out  # noqa: E402
 
 GEOMETRY = [a + b for a in "pnvl" for b in "xyz"]
-NEIGHBOURS, QUERIES, FLOOR = 8, 20_000, 0.05
+NEIGHBOURS, QUERIES = 8, 20_000
 ROWS, PLACES, LIGHTS = 150_000, 6, 4
 
 
@@ -89,7 +90,7 @@ def probes(x, y, queries, epsilon):
         shape = (len(v), PLACES**3 * LIGHTS**3 * 9)
         return csr_matrix((values.astype(np.float32).ravel(), ids.astype(np.int32).ravel(), rows), shape)
 
-    weight = base / np.maximum(y.mean(1), epsilon)[:, None]
+    weight = base / rrf_truth.level(y, epsilon)[:, None]
     design, asked, found = matrix(x), matrix(queries), {}
     for ridge in (0.1, 0.3, 1.0):
         p = np.zeros((len(queries), 3))
@@ -113,7 +114,7 @@ def regression(x, y, queries, degree, epsilon):
     low, spread = x.mean(0), x.std(0)
     keep = spread > 1e-6
     a, b = (terms((v[:, keep] - low[keep]) / spread[keep], degree) for v in (x, queries))
-    w = 1 / np.maximum(y.mean(1), epsilon)[:, None]
+    w = 1 / rrf_truth.level(y, epsilon)[:, None]
     matrix = (a * w).T @ (a * w)
     matrix[np.diag_indices(len(matrix))] += 1e-6 * np.trace(matrix) / len(matrix)
     return b @ np.linalg.solve(matrix, (a * w).T @ (y * w))
@@ -132,7 +133,7 @@ def main(runs):
         held, mean = held_out(seed, index), y.mean(0)
         count = dict(zip(*np.unique(cell[held], return_counts=True)))
         weight = np.array([measure[c] / count.get(c, 1) for c in cell])
-        epsilon = FLOOR * (weight * mean.mean(1))[held].sum() / weight[held].sum()
+        epsilon = rrf_truth.EPSILON_SHARE * (weight * mean.mean(1))[held].sum() / weight[held].sum()
         some = np.flatnonzero(held)
         some = some[:: max(1, len(some) // QUERIES)]
         train = ~held
@@ -148,13 +149,10 @@ def main(runs):
             predictions[name] = p
         print(f"{run}: {len(measure)} cells, {train.sum():,} rows trained on, {len(some):,} held-out rows asked")
         print(f"  nets                  {judged['relative_error']:.2%} ± {judged['relative_error_se']:.2%}")
-        w = weight[some] / weight[some].sum()
-        divisor = np.maximum(mean[some].mean(1), epsilon)
+        level = rrf_truth.level(mean[some], epsilon)
         for name, p in predictions.items():
-            e = ((p - y[0][some]) * (p - y[1][some])).mean(1) / divisor**2
-            square, se = (w * e).sum(), (w**2 * (e - (w * e).sum()) ** 2).sum() ** 0.5
-            root = max(square, 0) ** 0.5
-            print(f"  {name:<21} {root:.2%} ± {se / max(2 * root, 1e-9):.2%}")
+            error, se = rrf_truth.error(rrf_truth.by_halves(p, y[:, some], level), weight[some])
+            print(f"  {name:<21} {error:.2%} ± {se:.2%}")
 
 
 if __name__ == "__main__":

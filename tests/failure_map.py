@@ -29,6 +29,9 @@ matplotlib.rcParams["svg.hashsalt"] = "rrf"
 import matplotlib.pyplot as plt  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE / "python"))
+import rrf_truth  # noqa: E402
+
 CORNELL = HERE.parent / "scenes/cornell-box/scene.pbrt"
 GLOSSY = HERE.parent / "scenes/cornell-glossy/cornell-glossy.glb"
 OVERHEAD, FREE = "-0.6,1.3,-0.6,0.6,1.8,0.6", "-0.8,0.2,-0.8,0.8,1.8,0.8"
@@ -155,18 +158,14 @@ def by_distance(args, baked):
     p = stack(pq.read_table(answers), "rgb")
     y = [stack(table, [f"y{h}_{c}" for c in "rgb"]) for h in (0, 1)]
     light = stack(table, ["lx", "ly", "lz"])
-    mean = (y[0] + y[1]) / 2
-    divisor = np.maximum(mean.mean(1), 0.05 * mean.mean())
-    square = ((p - y[0]) * (p - y[1])).mean(1) / divisor**2
+    square = rrf_truth.by_halves(p, y, rrf_truth.level((y[0] + y[1]) / 2))
     distance = distance_to(light, triangles(args))
     found = []
     for low, high in zip(DISTANCES, DISTANCES[1:]):
         e = square[(low <= distance) & (distance < high)]
         if len(e) <= 30:
             sys.exit(f"{len(e)} fresh rows between {low} and {high} m: --scale {args.scale} is too small")
-        error = max(e.mean(), 0) ** 0.5
-        se = e.std() / len(e) ** 0.5 / max(2 * error, 1e-9)
-        found.append(((low + high) / 2, error, se))
+        found.append(((low + high) / 2, *rrf_truth.error(e)))
     return found
 
 

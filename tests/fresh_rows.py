@@ -4,10 +4,11 @@ python3 tests/fresh_rows.py [SCENE ...] [--rrf F] [--work DIR] [--rows N] [--pat
 DIR/SCENE are finished runs, as `tests/accuracy.py` leaves them. Rows are drawn as a bake of one cell draws its own, with
 another seed; their radiance is path-traced, two halves of N/2 paths. Held-out rows of a run have also chosen the weights
 that are kept and what is trimmed, and may be kind to it: these cannot. Prints the relative error, Monte Carlo noise taken
-out, ε = 5 % of the mean luminance, and its standard error. Needs numpy and pyarrow.
+out, and its standard error. Needs numpy and pyarrow.
 """
 
 import argparse
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from accuracy import HERE, SCENES, run
+
+sys.path.insert(0, str(HERE / "python"))
+import rrf_truth  # noqa: E402
 
 POINT = [a + b for a in "pnvl" for b in "xyz"]
 SEED = 2
@@ -43,12 +47,10 @@ def judge(args, name, baked):
     run([args.rrf, "query", baked, "--points", points, "-o", answers, *args.query.split()])
     model = columns(pq.read_table(answers), "rgb")
     halves = [columns(rows, [f"y{half}_{c}" for c in "rgb"]) for half in (0, 1)]
-    luminance = sum(halves).mean(1) / 2
-    divisor = np.maximum(luminance, 0.05 * luminance.mean())
-    squares = ((model - halves[0]) * (model - halves[1])).mean(1) / divisor**2
-    error, se = squares.mean() ** 0.5, squares.std() / len(squares) ** 0.5
-    worst = np.sort(squares)[::-1][: len(squares) // 1000].sum() / squares.sum()
-    print(f"{name}: {error:.2%} ± {se / 2 / error:.2%}, {len(squares)} rows, {worst:.0%} of it in a thousandth of them", flush=True)
+    squares = rrf_truth.by_halves(model, halves, rrf_truth.level(sum(halves) / 2))
+    error, se = rrf_truth.error(squares)
+    worst = rrf_truth.worst_share(squares)
+    print(f"{name}: {error:.2%} ± {se:.2%}, {len(squares)} rows, {worst:.0%} of its square in 1 % of them", flush=True)
 
 
 def main():

@@ -2,7 +2,7 @@
 
 The seam columns of model/metrics.arrow once more, with numpy alone, beside the program
 (tests/python/nets.py), as schemas/metrics.toml says; and what they come to over the whole run, rows of each cell
-weighed by its share of it, all relative to max(luminance, ε):
+weighed by its share of it, all relative to max(channel mean, ε):
 
 - jump: root mean square and median of the difference between the two nets, where they meet;
 - change: the same of how much the cell's own net changes from the face to a tenth of the cell inwards;
@@ -24,6 +24,7 @@ import pyarrow.parquet as pq
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE / "python"))
 import nets  # noqa: E402
+import rrf_truth  # noqa: E402
 from split import held_out  # noqa: E402
 
 RAW = [a + b for a in "pnvl" for b in "xyz"]
@@ -146,7 +147,7 @@ def seams(run, count=ROWS):
     at, away, here, over, within, beyond = (a[meet] for a in (at, away, here, over, within, beyond))
     mine, inside = (answers(weights, own[at], rows.astype(float)) for rows in (here, within))
     other = answers(weights, beyond, over.astype(float))
-    divisor = np.maximum((mine + other).mean(1) / 2, epsilon)
+    divisor = rrf_truth.level((mine + other) / 2, epsilon)
     x = x.astype(float)
     return Seams(x, y, own, at, away, beyond, mine, other, inside, divisor, epsilon, weights)
 
@@ -181,20 +182,20 @@ def main(run, rows_a_cell=ROWS):
         rms = (weight[at] @ of**2 / weight[at].sum()) ** 0.5
         print(f"{name:30} {rms:.2%}, median {np.median(of):.2%}")
     p = answers(found.weights, own, x)
-    divisor = np.maximum(y.mean((0, 2)), found.epsilon)
-    square = ((p - y[0]) * (p - y[1])).mean(1) / divisor**2
-    error = lambda s, w: max(float(w @ s / w.sum()), 0) ** 0.5
+    level = rrf_truth.level(y.mean(0), found.epsilon)
+    square = rrf_truth.by_halves(p, y, level)
+    error = lambda s, w: rrf_truth.error(s, w)[0]
     print(f"error near faces               {error(square[at], weight[at]):.2%}  (all rows {error(square, weight):.2%})")
     # the neighbour's net counts for half at the face and nothing a margin inwards
     other = answers(found.weights, found.beyond, x[at])
-    mean = np.maximum((p[at] + other).mean(1) / 2, found.epsilon)
+    mean = rrf_truth.level((p[at] + other) / 2, found.epsilon)
     apart = (((p[at] - other) / mean[:, None]) ** 2).mean(1) ** 0.5
     everywhere, agreed = np.ones(len(at)), np.clip(2 - apart / AGREED, 0, 1)
     for margin in (0.05, 0.1):
         for name, trust in (("", everywhere), (", where they agree", agreed)):
             share = (np.maximum(0.5 * (1 - found.away / margin), 0) * trust)[:, None]
             q, rows = (1 - share) * p[at] + share * other, found.away < margin
-            blended = ((q - y[0, at]) * (q - y[1, at])).mean(1) / divisor[at] ** 2
+            blended = rrf_truth.by_halves(q, y[:, at], level[at])
             before, after = (error(s[rows], weight[at][rows]) for s in (square[at], blended))
             print(f"blended within {margin:.0%} of a cell{name}: {before:.2%} -> {after:.2%}")
 

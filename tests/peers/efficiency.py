@@ -3,20 +3,22 @@
 For estimates X_k (k = 1..R, each one independent run of a program) of the radiance m_ic at row i,
 channel c, and the median wall time T of a run,
 
-    E = mean over i, c of  Var_k(X_kic) / max(lum(m_i), eps)^2  *  T      [s]
+    E = mean over i, c of  Var_k(X_kic) / level(m_i)^2  *  T      [s]
 
-with lum the mean of the channels, eps 5 % of the mean luminance of the table, m the table's own
-reference, Var the unbiased variance over runs. E is the time in which the program would reach a
+with level as in the relative error (tests/python/rrf_truth.py), m the table's own reference, Var the unbiased variance over runs. E is the time in which the program would reach a
 relative variance of 1; it does not depend on the number of paths when those are independent.
 Both programs are measured by the spread of their own runs, not by what they say of themselves.
 """
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import NormalDist
 
 import numpy as np
 import pyarrow.parquet as pq
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
+import rrf_truth  # noqa: E402
 
 POSITION, NORMAL, LIGHT = ("px", "py", "pz"), ("nx", "ny", "nz"), ("lx", "ly", "lz")
 VIEWER = ("vx", "vy", "vz")
@@ -53,9 +55,8 @@ class Points:
         return cls(path, position, normal, light, material, reference, error)
 
     def scale(self) -> np.ndarray:
-        """max(lum, eps) a row, shape [n, 1]."""
-        luminance = self.reference.mean(axis=1, keepdims=True)
-        return np.maximum(luminance, 0.05 * luminance.mean())
+        """The level of each row's relative error, shape [n, 1]."""
+        return rrf_truth.level(self.reference)[:, None]
 
 
 def relative_variance(runs: np.ndarray, scale: np.ndarray) -> np.ndarray:
@@ -80,7 +81,7 @@ def agreement(runs: np.ndarray, points: Points) -> dict:
     parts = [p for p in parts if p.sum() >= 10]
     scores = [difference[p].sum(axis=0) / np.sqrt(variance[p].sum(axis=0)) for p in parts]
     tests = 3 * len(scores)
-    limit = NormalDist().inv_cdf(1 - (1 - (1 - 1e-4) ** (1 / tests)) / 2)
+    limit = rrf_truth.z_limit(tests)
     largest = float(np.abs(scores).max())
     bias = float(difference.sum() / points.reference.sum())
     return {"passes": largest < limit, "largest_z": largest, "limit": limit, "tests": tests,

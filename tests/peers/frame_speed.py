@@ -22,6 +22,9 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+import rrf_truth  # noqa: E402
+
 
 def run(command):
     """Output of a command, and the user seconds that it used."""
@@ -54,8 +57,8 @@ class Case:
 
     def square(self, frame, reference):
         """Squared relative error."""
-        measures = json.loads(run([self.rrf, "compare", frame, reference, "--json"])[0])["measures"]
-        return next(m["value"] for m in measures if m["name"] == "relative_error") ** 2
+        compared = run([self.rrf, "compare", frame, reference, "--json"])[0]
+        return rrf_truth.measures(compared)["relative_error"] ** 2
 
 
 def main():

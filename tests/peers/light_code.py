@@ -21,7 +21,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from export_cells import rows_of
-from training import ROOT, write
+from training import ROOT, rrf_truth, write
 
 mi.set_variant("llvm_ad_rgb")
 PROBES, STEPS, STARTS = 256, 40, (2, 3)
@@ -63,8 +63,7 @@ def fitted(rows, code, file):
     base = rows[:, 12:15]
     halves = [rows[:, at : at + 3] / base for at in (18, 21)]
     y = sum(halves) / 2
-    luminance = (base * y).mean(1, keepdims=True)
-    s = base / np.maximum(luminance, 0.05 * luminance.mean())
+    s = base / rrf_truth.level(base * y)[:, None]
     offset = (s**2 * y).sum(0) / (s**2).sum(0)
     scale = np.sqrt((s**2 * (y - offset) ** 2).sum(0) / (s**2).sum(0))
     x = np.hstack([rows[:, 0:3], rows[:, 3:6], rows[:, 9:12], code])

@@ -20,7 +20,11 @@ import pathlib
 import random
 import statistics
 import subprocess
+import sys
 import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+import rrf_truth  # noqa: E402
 
 # floor, wall behind, lamp facing down, the board under it that leaves a slit of 0.7 m
 SCENE = """
@@ -74,8 +78,7 @@ def main():
         def square(a, b):
             call = [options.rrf, "compare", a, b, "--layer", "direct", "--json"]
             done = subprocess.run(call, check=True, capture_output=True, text=True)
-            measures = json.loads(done.stdout)["measures"]
-            return next(m["value"] for m in measures if m["name"] == "relative_error") ** 2
+            return rrf_truth.measures(done.stdout)["relative_error"] ** 2
 
         scene, slit = folder / "slit.pbrt", folder / "slit"
         scene.write_text(SCENE)

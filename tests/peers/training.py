@@ -47,6 +47,8 @@ import scipy.optimize  # noqa: E402
 
 jax.config.update("jax_enable_x64", True)
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/python"))
+import rrf_truth  # noqa: E402
 
 
 # ---- the problem -------------------------------------------------------------------------------
@@ -61,8 +63,7 @@ def problem(path: str) -> dict:
     distance = np.linalg.norm(away, axis=1, keepdims=True)
     x = np.hstack([p, rows[:, 3:6], light, away / distance, 1 / distance])
     x = x[:, x.std(axis=0) > 1e-5]
-    luminance = (base * y).mean(axis=1, keepdims=True)
-    s = base / np.maximum(luminance, 0.05 * luminance.mean())
+    s = base / rrf_truth.level(base * y)[:, None]
     offset = (s**2 * y).sum(axis=0) / (s**2).sum(axis=0)
     scale = np.sqrt((s**2 * (y - offset) ** 2).sum(axis=0) / (s**2).sum(axis=0))
     order = np.random.default_rng(1).permutation(len(x))

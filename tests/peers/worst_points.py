@@ -24,7 +24,7 @@ ROOT = HERE.parent.parent
 ORACLE = ROOT / "tests/data/oracle"
 sys.path.insert(0, str(HERE))
 
-from efficiency import ERROR, RADIANCE, Points, columns  # noqa: E402
+from efficiency import ERROR, RADIANCE, Points, columns, rrf_truth  # noqa: E402
 from pbrt_room import read_room  # noqa: E402
 
 CORNELL = ROOT / "scenes/cornell-box/scene.pbrt"
@@ -59,15 +59,12 @@ def mitsuba(args, scene, table):
 
 def squares(table, answer):
     """What each row adds to the squared relative error of `answer`, the table's stated noise taken out."""
-    m, se, p = columns(table, RADIANCE), columns(table, ERROR), columns(answer, RADIANCE)
-    w = 1 / np.maximum(m.mean(1, keepdims=True), 0.05 * m.mean()) ** 2
-    return (((p - m) ** 2 - se**2) * w).mean(1)
+    return rrf_truth.less_variance(columns(answer, RADIANCE), columns(table, RADIANCE), columns(table, ERROR))
 
 
 def error(table, answer):
-    e = squares(table, answer)
-    root = max(e.mean(), 0) ** 0.5
-    return f"{root:.2%} ± {e.std() / len(e) ** 0.5 / max(2 * root, 1e-9):.2%}"
+    root, se = rrf_truth.error(squares(table, answer))
+    return f"{root:.2%} ± {se:.2%}"
 
 
 def main():

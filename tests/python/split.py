@@ -4,7 +4,7 @@ import numpy as np
 
 
 def held_out(seed, index):
-    """As pipeline/bake/src/policy/held_out.rs."""
+    """As pipeline/bake/src/policy/held_out.rs, by pipeline/sampling/src/hash.rs."""
     with np.errstate(over="ignore"):
         z = np.uint64(seed) ^ (index * np.uint64(0x9E3779B97F4A7C15))
         z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)

@@ -1,12 +1,13 @@
 """The nets' light of an area lamp against `rrf trace` (RRF names the binary)."""
 
-import json
 import os
 import pathlib
 import statistics
 import subprocess
 
 import pytest
+
+import rrf_truth
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENE = ROOT / "scenes/cornell-box/scene.pbrt"
@@ -34,8 +35,7 @@ def errors(tmp_path_factory):
         rrf("trace", "-q", SCENE, *SIZE, "--spp", 256, "--seed", seed, "-o", out)
 
     def square(a, b):
-        measures = json.loads(rrf("compare", a, b, "--json"))["measures"]
-        return next(m["value"] for m in measures if m["name"] == "relative_error") ** 2
+        return rrf_truth.measures(rrf("compare", a, b, "--json"))["relative_error"] ** 2
 
     noise = square(*references) / 2
 

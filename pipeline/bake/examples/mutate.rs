@@ -10,7 +10,7 @@
 #[path = "../../../fuzz/src/lib.rs"]
 mod readers;
 
-use rrf_field::rng::{Stage, Stream, Walk};
+use rrf_sampling::{Dimensions, Stage, Stream};
 use std::path::Path;
 use std::time::Instant;
 
@@ -27,7 +27,7 @@ fn main() {
     let seeds = seeds(target);
     let (mut inputs, mut slowest) = (0u64, 0.0f64);
     while cpu_seconds() < seconds {
-        let mut dice = Stream::new(seed, Stage::Test, 0).walk(inputs);
+        let mut dice = Stream::new(seed, Stage::Test, 0).dimensions(inputs);
         let bytes = mutated(&seeds, &mut dice);
         let start = Instant::now();
         read(&bytes);
@@ -73,7 +73,7 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
 const EDGES: [u32; 8] = [0, 1, 0x7f, 0xff, 0xffff, 0x7fff_ffff, 0x8000_0000, u32::MAX];
 
 /// A seed with 1 to 8 wounds.
-fn mutated(seeds: &[Vec<u8>], dice: &mut Walk) -> Vec<u8> {
+fn mutated(seeds: &[Vec<u8>], dice: &mut Dimensions) -> Vec<u8> {
     let mut below = |n: usize| dice.next_u32() as usize % n.max(1);
     let mut bytes = seeds[below(seeds.len())].clone();
     for _ in 0..1 + below(8) {

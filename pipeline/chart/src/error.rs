@@ -55,6 +55,9 @@ pub enum ChartError {
     /// A table of a run.
     #[error(transparent)]
     Store(#[from] rrf_store::StoreError),
+    /// Frames that cannot be compared.
+    #[error(transparent)]
+    Metrics(#[from] rrf_metrics::MetricsError),
     /// A frame.
     #[error(transparent)]
     Render(#[from] rrf_render::RenderError),
@@ -64,7 +67,7 @@ impl ChartError {
     /// Whether the input is at fault, and trying again does not help.
     pub fn is_bad_input(&self) -> bool {
         match self {
-            ChartError::Grid { .. } | ChartError::Table { .. } => true,
+            ChartError::Grid { .. } | ChartError::Table { .. } | ChartError::Metrics(_) => true,
             ChartError::Run { bad_input, .. } => *bad_input,
             ChartError::File { .. } | ChartError::Draw { .. } => false,
             ChartError::Bake(error) => error.is_bad_input(),

@@ -1,18 +1,20 @@
 //! Frames against a path-traced reference.
 
 use crate::ChartError;
-use rrf_render::{Picture, compare, exr};
+use rrf_metrics::estimate::by_halves;
+use rrf_metrics::relative::{channel_mean, epsilon_of, inverse_level, root_mean};
+use rrf_metrics::{Picture, compare};
+use rrf_render::exr;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// How far a frame is from the reference.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct FrameErrors {
     /// Relative error of the indirect light, the reference's noise taken out.
     pub(crate) indirect: f64,
-    /// Mean LDR-FLIP of the whole frame.
-    pub(crate) flip: f64,
-    /// Root mean square of CIEDE2000.
-    pub(crate) delta_e_2000: f64,
+    /// Figures of the whole frame by metric.
+    pub(crate) whole: BTreeMap<String, f64>,
 }
 
 /// Two independent halves of a path-traced frame.
@@ -43,11 +45,10 @@ impl Reference {
                 "it is of another size than the reference: remove the sweep's folder",
             ));
         }
-        let value = |name| comparison.value(name).unwrap_or(f64::NAN);
+        let whole = comparison.measures.iter();
         Ok(FrameErrors {
             indirect: relative_error(&indirect, a, b),
-            flip: value("flip"),
-            delta_e_2000: value("delta_e_2000"),
+            whole: whole.map(|m| (m.name.into(), m.value)).collect(),
         })
     }
 }
@@ -60,50 +61,36 @@ fn mean(a: &Picture, b: &Picture) -> Picture {
     }
 }
 
-/// sqrt(mean((p - a)(p - b) / max(lum, ε)²)) over pixels and channels, lum the mean of r, g and b
-/// of both halves, ε 5 % of its mean; 0 where the estimate is negative.
+/// The relative error of `p`, the noise of the reference's halves `a` and `b` taken out.
 fn relative_error(p: &Picture, a: &Picture, b: &Picture) -> f64 {
     let m = mean(a, b);
-    let luminance: Vec<f64> = (m.pixels.iter())
-        .map(|m| m.as_dvec3().element_sum() / 3.0)
-        .collect();
-    let count = luminance.len().max(1) as f64;
-    let floor = 0.05 * luminance.iter().sum::<f64>() / count;
-    let squares = (p
-        .pixels
-        .iter()
-        .zip(&a.pixels)
-        .zip(&b.pixels)
-        .zip(&luminance))
-    .map(|(((p, a), b), &luminance)| {
-        let square = (p.as_dvec3() - a.as_dvec3()) * (p.as_dvec3() - b.as_dvec3());
-        square.element_sum() / 3.0 / luminance.max(floor).powi(2)
+    let rows = m.pixels.iter().map(|m| m.as_dvec3().to_array());
+    let floor = epsilon_of(rows.clone());
+    let pixels = p.pixels.iter().zip(&a.pixels).zip(&b.pixels).zip(rows);
+    let squares = pixels.map(|(((p, a), b), m)| {
+        let inverse = inverse_level(channel_mean(m), floor);
+        by_halves(p.as_dvec3().to_array(), a.to_array(), b.to_array(), inverse)
     });
-    (squares.sum::<f64>() / count).max(0.0).sqrt()
+    root_mean(&squares.collect::<Vec<f64>>())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::Vec3;
+    use rrf_sampling::{Stage, Stream};
 
     /// A constant frame off by a tenth, halves of the reference with independent noise of a
     /// half: the tenth comes out, not the noise.
     #[test]
     fn the_references_noise_is_taken_out() {
-        let mut state = 7u64;
-        let mut uniform = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 40) as f32 / (1u64 << 24) as f32
-        };
+        let mut random = Stream::new(7, Stage::Test, 0).dimensions(0);
         let size = 200;
         let mut noisy = || Picture {
             width: size,
             height: size,
             pixels: (0..size * size)
-                .map(|_| Vec3::splat(1.0 + (uniform() - 0.5) * 0.2))
+                .map(|_| Vec3::splat(1.0 + (random.next_f32() - 0.5) * 0.2))
                 .collect(),
         };
         let (a, b) = (noisy(), noisy());

@@ -79,6 +79,7 @@ fn estimate(values: impl Iterator<Item = f64> + Clone) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rrf_sampling::{Stage, Stream};
 
     fn row(setting: &str, seed: u64, cost: f64, error: f64) -> Row {
         Row {
@@ -98,13 +99,9 @@ mod tests {
     /// Against the definition: on the front is what no other point dominates.
     #[test]
     fn the_front_is_what_nothing_dominates() {
-        let mut state = 3u32;
-        let mut next = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            f64::from(state >> 16)
-        };
+        let random = Stream::new(3, Stage::Test, 0);
         let rows: Vec<Row> = (0..200)
-            .map(|i| row(&format!("{i}"), 1, next(), next()))
+            .map(|i| row(&format!("{i}"), 1, random.f64(i, 0), random.f64(i, 1)))
             .collect();
         let found = of(&rows);
         for p in &found {

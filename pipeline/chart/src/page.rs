@@ -3,9 +3,9 @@
 use crate::{ChartError, Program, draw, html, rounds};
 use base64::Engine;
 use rrf_bake::Run;
+use rrf_metrics::{FrameMetric, Pair, Picture, compare};
 use rrf_render::png::Shown;
-use rrf_render::tone::Exposure;
-use rrf_render::{Picture, color, compare, exr, flip, png};
+use rrf_render::{exr, png};
 use rrf_scene::Scene;
 use rrf_store::model::{self, CellMetrics};
 use std::ffi::OsString;
@@ -94,7 +94,8 @@ fn frames(page: &Page, run: &Run) -> Result<String, ChartError> {
     let test = frame.picture();
     let comparison = compare(&reference, &test, None)?;
     let exposure = comparison.exposure;
-    let maps = error_maps(&reference, &test, exposure);
+    let pair = Pair::new(&reference, &test, exposure);
+    let maps = ["flip", "delta_e_2000"].map(|name| error_map(name, &pair));
     let mut out = String::from("<h2>Frames</h2>\n");
     for (shown, caption) in [
         (
@@ -128,7 +129,7 @@ fn frames(page: &Page, run: &Run) -> Result<String, ChartError> {
             vec![
                 m.name.into(),
                 format!("{:.5}", m.value),
-                m.definition.clone(),
+                m.definition.into(),
             ]
         })
         .collect();
@@ -136,18 +137,9 @@ fn frames(page: &Page, run: &Run) -> Result<String, ChartError> {
     Ok(out)
 }
 
-/// FLIP and ΔE2000 of every pixel.
-fn error_maps(reference: &Picture, test: &Picture, exposure: Exposure) -> [Vec<f64>; 2] {
-    let shown = |p: &Picture| -> Vec<glam::DVec3> {
-        let pixels = p.pixels.iter();
-        pixels.map(|&p| exposure.apply(p).as_dvec3()).collect()
-    };
-    let (m, p) = (shown(reference), shown(test));
-    let flip = flip::flip(&m, &p, reference.width as usize, flip::PIXELS_PER_DEGREE);
-    let lab = |rgb: &glam::DVec3| color::lab(color::xyz(*rgb));
-    let delta = m.iter().zip(&p);
-    let delta = delta.map(|(m, p)| color::delta_e_2000(lab(m), lab(p)));
-    [flip, delta.collect()]
+/// The values of a frame metric, pixel by pixel.
+fn error_map(name: &str, pair: &Pair) -> Vec<f64> {
+    FrameMetric::named(name).map_or_else(Vec::new, |metric| (metric.pixels)(pair))
 }
 
 /// Values as colours, black over red and yellow to white at `top` and above.

@@ -11,6 +11,8 @@ use crate::{ChartError, Done, Program};
 use arrow::array::AsArray;
 use arrow::datatypes::Float32Type;
 use rrf_bake::Run;
+use rrf_metrics::estimate::{ErrorEstimate, SquareError, less_variance};
+use rrf_metrics::relative::{channel_mean, epsilon_of, inverse_level};
 use rrf_store::Limits;
 use rrf_store::{atomic, layout, model, points};
 use std::ffi::OsString;
@@ -231,10 +233,11 @@ fn words<const N: usize>(words: [&str; N]) -> Vec<OsString> {
 }
 
 fn with_errors(row: Row, errors: FrameErrors) -> Row {
+    let figure = |metric: &str| errors.whole.get(metric).copied().unwrap_or(f64::NAN);
     Row {
         frame_error: errors.indirect,
-        flip: errors.flip,
-        delta_e_2000: errors.delta_e_2000,
+        flip: figure("flip"),
+        delta_e_2000: figure("delta_e_2000"),
         ..row
     }
 }
@@ -254,7 +257,7 @@ fn model_row(folder: &Path) -> Result<Row, ChartError> {
     }
     let whole = (count > 0.0).then(|| {
         let (mean, se) = (square / count, variance.sqrt() / count);
-        rrf_store::model::SquareError { mean, se }.relative()
+        SquareError { mean, se }.relative()
     });
     let size = |name: &str| {
         let path: PathBuf = layout::model_folder(folder).join(name);
@@ -292,23 +295,20 @@ fn columns(path: &Path, names: [&str; 3]) -> Result<[Vec<f64>; 3], ChartError> {
     Ok(out)
 }
 
-/// sqrt(mean(((p - m)² - se²) / max(lum, ε)²)) over rows and channels, and its standard error.
+/// The relative error over rows and its standard error, the reference's noise taken out.
 fn relative_error(p: &[Vec<f64>; 3], m: &[Vec<f64>; 3], se: &[Vec<f64>; 3]) -> (f64, f64) {
-    let count = m[0].len();
-    let luminance = |i: usize| (m[0][i] + m[1][i] + m[2][i]) / 3.0;
-    let n = count.max(1) as f64;
-    let floor = 0.05 * (0..count).map(luminance).sum::<f64>() / n;
-    let squares: Vec<f64> = (0..count)
-        .map(|i| {
-            let channels = (0..3).map(|c| (p[c][i] - m[c][i]).powi(2) - se[c][i].powi(2));
-            channels.sum::<f64>() / 3.0 / luminance(i).max(floor).powi(2)
-        })
-        .collect();
-    let mean = squares.iter().sum::<f64>() / n;
-    let variance = squares.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0) / n;
-    rrf_store::model::SquareError {
-        mean,
-        se: variance.sqrt(),
-    }
-    .relative()
+    let row = |columns: &[Vec<f64>; 3], i: usize| [0, 1, 2].map(|c| columns[c][i]);
+    let rows = 0..m[0].len();
+    let floor = epsilon_of(rows.clone().map(|i| row(m, i)));
+    let square = |i| {
+        let level = channel_mean(row(m, i));
+        less_variance(
+            row(p, i),
+            row(m, i),
+            row(se, i),
+            inverse_level(level, floor),
+        )
+    };
+    let squares: Vec<f64> = rows.map(square).collect();
+    SquareError::from(ErrorEstimate::of(&squares)).relative()
 }

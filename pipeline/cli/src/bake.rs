@@ -162,6 +162,7 @@ pub fn print_evaluation(evaluation: &Evaluation, target: f32) {
         evaluation.cells.len()
     );
     println!(
-        "  relative error: sqrt(mean((p-m)² / max(c(m), ε)²)), c the channel mean, ε = 5 % of its mean, Monte Carlo noise removed"
+        "  relative error: {}, Monte Carlo noise removed",
+        rrf_metrics::relative::FORMULA
     );
 }

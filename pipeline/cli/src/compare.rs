@@ -1,8 +1,9 @@
 //! `rrf compare`: how far one frame is from another.
 
 use crate::args::CompareArgs;
-use rrf_render::tone::Exposure;
-use rrf_render::{compare, exr};
+use rrf_metrics::compare;
+use rrf_metrics::tone::Exposure;
+use rrf_render::exr;
 
 /// Prints every measure with its definition.
 pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
@@ -28,12 +29,15 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
         comparison.height
     );
     println!(
-        "mean luminance {:.5} against {:.5}; exposure {:+.2} stops",
-        comparison.test_luminance, comparison.reference_luminance, comparison.exposure.ev
+        "mean luminance {:.5} against {:.5}; exposure {:+.2} stops; ε {:.6}",
+        comparison.test_luminance,
+        comparison.reference_luminance,
+        comparison.exposure.ev,
+        comparison.epsilon
     );
     for measure in &comparison.measures {
         println!(
-            "{:<16} {:>10.5}   {}",
+            "{:<21} {:>10.5}   {}",
             measure.name, measure.value, measure.definition
         );
     }

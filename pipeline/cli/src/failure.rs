@@ -4,6 +4,7 @@ use rrf_bake::BakeError;
 use rrf_export::ExportError;
 use rrf_extract::ExtractError;
 use rrf_field::FieldError;
+use rrf_metrics::MetricsError;
 use rrf_remote::RemoteError;
 use rrf_render::RenderError;
 use rrf_scene::SceneError;
@@ -35,6 +36,7 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
             || cause.is::<TraceError>()
             || cause.is::<ExtractError>()
             || cause.is::<FieldError>()
+            || cause.is::<MetricsError>()
             || matches!(cause.downcast_ref(), Some(ViewError::Bind { .. }))
             || matches!(
                 cause.downcast_ref::<ExportError>(),

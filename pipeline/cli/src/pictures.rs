@@ -2,7 +2,7 @@
 
 use crate::args::{Part, ViewArgs};
 use crate::failure::BadInput;
-use rrf_render::tone::Exposure;
+use rrf_metrics::tone::Exposure;
 use rrf_render::{Frame, exr, png};
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,8 @@ use crate::baked::Baked;
 use crate::stats::{self, Clock};
 use crate::{animate, pictures, view};
 use glam::Vec3;
-use rrf_render::{Frame, RenderOptions, Renderer, ShadowRays, luminance, trace_untrusted};
+use rrf_metrics::color::luminance;
+use rrf_render::{Frame, RenderOptions, Renderer, ShadowRays, trace_untrusted};
 use rrf_trace::Tracer;
 
 /// Renders the view and writes it; with `--frames` again and again, to measure.

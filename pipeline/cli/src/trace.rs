@@ -6,17 +6,16 @@ use crate::{pictures, points, progress, scene, view};
 use arrow::array::{ArrayRef, Float32Array};
 use glam::Vec3;
 use rrf_field::columns;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
 use rrf_store::Limits;
 use rrf_store::points::{check_ending, read_points, write_points};
 use rrf_store::schema::Table;
-use rrf_trace::{Estimator, Queries, Sampling, Stream, Tracer, indirect_with};
+use rrf_trace::{Estimator, Queries, Sampling, Tracer, indirect_with};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Stage numbers of the random streams.
-const STAGE_POINTS: u32 = 2;
 /// Independent estimates a row, for the standard error.
 const REPLICATES: u32 = 16;
 /// Rows between two looks at the progress bar.
@@ -83,7 +82,7 @@ fn trace_points(
     let located = points::locate(tracer, &table, input)?;
     let viewers = points::vectors(&table, columns::V);
     let lights = points::vectors(&table, columns::L);
-    let stream = Stream::new(args.seed, STAGE_POINTS, 0);
+    let stream = Stream::new(args.seed, Stage::Points, 0);
     let sampling = Sampling {
         paths: args.spp,
         replicates: REPLICATES,

@@ -40,7 +40,7 @@ mod tests {
     use super::*;
     use rrf_field::columns::{COUNT, Columns};
     use rrf_field::tree::Tree;
-    use rrf_store::model::SquareError;
+    use rrf_metrics::estimate::SquareError;
 
     fn metrics(cell_id: u32, mean: f64, se: f64) -> CellMetrics {
         CellMetrics {

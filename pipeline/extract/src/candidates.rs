@@ -10,12 +10,12 @@ use crate::census::{Census, Rejection};
 use crate::eyes::Eyes;
 use crate::patches::Patches;
 use crate::region::Region;
-use crate::sobol::Sobol;
 use crate::visibility::{PointClass, QueryScratch, VisibilityQueries};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::tree::Domain;
+use rrf_sampling::sobol::Sequence;
 use rrf_scene::Scene;
 use rrf_trace::{SurfacePoint, Tracer};
 
@@ -39,7 +39,7 @@ pub struct Proposal<'a> {
     patches: Patches,
     domain: Domain,
     light: Region,
-    sobol: Sobol,
+    sequence: Sequence,
 }
 
 impl<'a> Proposal<'a> {
@@ -62,7 +62,7 @@ impl<'a> Proposal<'a> {
             patches,
             domain,
             light,
-            sobol: Sobol::new(seed),
+            sequence: Sequence::new(seed),
         })
     }
 
@@ -73,7 +73,7 @@ impl<'a> Proposal<'a> {
 
     /// Candidate `k`.
     pub fn draw(&self, k: u32, scratch: &mut QueryScratch) -> Result<CandidateRow, Rejection> {
-        let u = self.sobol.point(k);
+        let u = self.sequence.point(k);
         let (patch, weights) = self.patches.sample([u[0], u[1], u[2]]);
         let surface = self.tracer.point(patch.triangle, weights);
         let side = if patch.back {

@@ -97,11 +97,11 @@ mod tests {
         in_the_box(|scene, tracer, visibility| {
             let eyes = Eyes::new(visibility, EYE_BOX).unwrap();
             assert!(eyes.places.iter().all(|&e| EYE_BOX.contains(e)));
-            let sobol = crate::sobol::Sobol::new(3);
+            let sequence = rrf_sampling::sobol::Sequence::new(3);
             let mut scratch = QueryScratch::default();
             let (mut seen, mut unseen) = (0, 0);
             for k in 0..2000 {
-                let u = sobol.point(k);
+                let u = sequence.point(k);
                 let triangle = k as usize % scene.triangles.len();
                 let (a, b) = (1.0 - u[0].sqrt(), u[1] * u[0].sqrt());
                 let point = tracer.point(triangle as u32, [a, b]);

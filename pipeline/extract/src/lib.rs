@@ -18,7 +18,6 @@ mod halves;
 mod patches;
 mod planning;
 mod region;
-mod sobol;
 mod solids;
 mod stage;
 mod visibility;

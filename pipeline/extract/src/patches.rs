@@ -3,6 +3,7 @@
 use glam::Vec3;
 use rrf_field::columns;
 use rrf_field::tree::Domain;
+use rrf_sampling::warp::by_weight;
 use rrf_scene::{INVALID, Scene};
 
 /// One side of a triangular piece of a triangle.
@@ -63,9 +64,7 @@ impl Patches {
     /// A point uniform over the area of all sides: the patch, and the weights of its triangle's
     /// second and third corner.
     pub fn sample(&self, u: [f32; 3]) -> (&Patch, [f32; 2]) {
-        let last = self.area.len() - 1;
-        let at = f64::from(u[0]) * self.area[last];
-        let patch = &self.patches[self.area.partition_point(|&sum| sum <= at).min(last)];
+        let patch = &self.patches[by_weight(&self.area, u[0])];
         // square to triangle (Heitz 2019): keeps the stratification of the square
         let (a, b) = (u[1], u[2]);
         let (first, second) = if b > a {
@@ -166,7 +165,8 @@ fn sides(scene: &Scene, triangle: u32, domain: &Domain) -> [bool; 2] {
 mod tests {
     use super::*;
     use crate::cornell;
-    use rrf_trace::{Stream, Tracer};
+    use rrf_sampling::{Stage, Stream};
+    use rrf_trace::Tracer;
 
     fn domain(low: Vec3, high: Vec3) -> Domain {
         let mut domain = Domain::ALL;
@@ -194,7 +194,7 @@ mod tests {
         let mut inside = 0.0;
         for k in 0..n {
             for (which, from) in [&pieces, &all].into_iter().enumerate() {
-                let u = Stream::new(5, 0, which as u32).units(k, 0, 0);
+                let u = Stream::new(5, Stage::Test, which as u32).units(k, 0, 0);
                 let (patch, weights) = from.sample([u[0], u[1], u[2]]);
                 let p = tracer.point(patch.triangle, weights).position;
                 let within = p.cmpge(low - 1e-5).all() && p.cmple(high + 1e-5).all();

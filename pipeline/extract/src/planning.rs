@@ -6,11 +6,13 @@ use crate::config::ExtractConfig;
 use crate::error::ExtractError;
 use crate::eyes::Eyes;
 use crate::first_tree::grow;
-use crate::halves::{PILOT_STAGE, scramble_seed, trace_halves};
+use crate::halves::trace_halves;
 use crate::visibility::VisibilityQueries;
 use rrf_field::tree::{Domain, Tree};
+use rrf_sampling::hash::sequence_seed;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
-use rrf_trace::{Stream, Tracer};
+use rrf_trace::Tracer;
 
 /// A cell's share of the work.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +55,7 @@ pub fn plan(
 ) -> Result<FirstPlan, ExtractError> {
     let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
     config.validate(&bounds)?;
-    let seed = scramble_seed(config.seed, WHOLE_SCENE);
+    let seed = sequence_seed(config.seed, WHOLE_SCENE);
     let nothing = |census: Census| ExtractError::NoRow {
         drawn: u64::from(config.candidates) * PATIENCE as u64,
         census,
@@ -101,7 +103,7 @@ pub fn plan(
 /// The pilot: what a row is worth on average, which decides below which luminance errors count
 /// absolutely (ε).
 fn mean_luminance(tracer: &Tracer, drawn: &Accepted, seed: u64) -> Result<f32, ExtractError> {
-    let stream = Stream::new(seed, PILOT_STAGE, 0);
+    let stream = Stream::new(seed, Stage::Pilot, 0);
     let halves = trace_halves(tracer, drawn, PILOT_PATHS, stream)?;
     let sum: f64 = halves
         .iter()

@@ -4,16 +4,16 @@ use crate::candidates::{Proposal, accept};
 use crate::census::Census;
 use crate::error::ExtractError;
 use crate::eyes::Eyes;
-use crate::halves::{scramble_seed, trace_halves};
+use crate::halves::trace_halves;
 use crate::region::Region;
 use crate::visibility::VisibilityQueries;
 use rrf_field::columns::Columns;
 use rrf_field::tree::Domain;
+use rrf_sampling::hash::sequence_seed;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
-use rrf_trace::{Stream, Tracer};
+use rrf_trace::Tracer;
 
-/// Stage number of extraction in every [`Stream`].
-pub const STAGE: u32 = 1;
 /// Candidates drawn for each row wanted before a draw makes do with fewer rows.
 const PATIENCE: usize = 4096;
 /// First numbers of the Sobol streams of draws; the plan's own stream is 0.
@@ -57,11 +57,11 @@ pub fn extract(
     seed: u64,
     draw: &Draw,
 ) -> Result<Drawn, ExtractError> {
-    let scramble = scramble_seed(seed, u64::from(draw.stream) + FIRST_STREAM);
+    let scramble = sequence_seed(seed, u64::from(draw.stream) + FIRST_STREAM);
     let accepted = Proposal::new(scene, tracer, visibility, draw.domain, light_box, scramble)
         .map(|proposal| accept(&proposal.seen_by(eyes), draw.rows as usize, PATIENCE))
         .unwrap_or_default();
-    let stream = Stream::new(seed, STAGE, draw.stream);
+    let stream = Stream::new(seed, Stage::Extract, draw.stream);
     let halves = trace_halves(tracer, &accepted, draw.paths, stream)?;
     let first = u64::from(draw.stream) << 32;
     Ok(Drawn {

@@ -10,20 +10,21 @@ use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::{self, Shape};
 use rrf_field::tree::Tree;
 use rrf_field::{Field, Light, Workspace};
+use rrf_sampling::{Dimensions, Stage, Stream};
 use std::hint::black_box;
 
 const ROWS: usize = 262_144;
 
-/// Numbers in [-1, 1) from a splitmix64 sequence.
-struct Numbers(u64);
+/// Numbers in [-1, 1).
+struct Numbers(Dimensions);
 
 impl Numbers {
+    fn new(seed: u64) -> Numbers {
+        Numbers(Stream::new(seed, Stage::Test, 0).dimensions(0))
+    }
+
     fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+        2.0 * self.0.next_f32() - 1.0
     }
 }
 
@@ -84,7 +85,7 @@ fn field(levels: u32, inputs: &[u8]) -> Field {
         }
         leaves = next;
     }
-    let mut numbers = Numbers(2);
+    let mut numbers = Numbers::new(2);
     let models = (0..tree.cells() as u32)
         .map(|cell| model(cell, inputs.to_vec(), &mut numbers))
         .collect();
@@ -97,7 +98,7 @@ fn evaluate(criterion: &mut Criterion) {
     let derived: Vec<u8> = (0..columns::GEOMETRY as u8).chain(18..25).collect();
     let (mut out, mut cells) = (<[Vec<f32>; 3]>::default(), Vec::new());
     let lights = |count: usize| -> Vec<Light> {
-        let mut numbers = Numbers(3);
+        let mut numbers = Numbers::new(3);
         let mut light = || Light {
             position: std::array::from_fn(|_| numbers.next()),
             intensity: [1.0; 3],
@@ -149,7 +150,7 @@ fn evaluate(criterion: &mut Criterion) {
     });
 
     let rows = &tiles[0];
-    let one = model(0, geometry, &mut Numbers(2));
+    let one = model(0, geometry, &mut Numbers::new(2));
     let weights: Vec<f64> = one.weights.iter().map(|&w| f64::from(w)).collect();
     const SCALAR: usize = 4096;
     group

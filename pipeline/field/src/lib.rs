@@ -51,7 +51,6 @@ mod evaluate;
 pub mod inputs;
 mod light;
 pub mod model;
-pub mod rng;
 pub mod tree;
 
 pub use baseline::{probes, quadratic};

@@ -240,7 +240,7 @@ impl Tree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rng::{Stage, Stream};
+    use rrf_sampling::{Stage, Stream};
 
     #[test]
     fn each_cell_knows_the_cut_that_made_it() {
@@ -258,7 +258,7 @@ mod tests {
     /// A random tree: every row lies in the box of the cell that the walk finds, and in no other.
     #[test]
     fn a_row_lies_in_its_cells_box_only() {
-        let mut random = Stream::new(7, Stage::Test, 0).walk(0);
+        let mut random = Stream::new(7, Stage::Test, 0).dimensions(0);
         let mut tree = Tree::single();
         for cell in 1..40 {
             let leaves = tree.leaves();

@@ -36,7 +36,7 @@ fn of_kind(cell: u32, kind: Kind, numbers: &mut Numbers) -> CellModel {
 const EACH: [Kind; 4] = [Kind::Net, Kind::Quadratic, Kind::Nearest, Kind::Probes];
 
 fn mixed(cells: u32) -> Vec<CellModel> {
-    let mut numbers = Numbers(4);
+    let mut numbers = Numbers::new(4);
     (0..cells)
         .map(|c| of_kind(c, EACH[c as usize % 4], &mut numbers))
         .collect()
@@ -72,7 +72,7 @@ fn each_row_gets_the_answer_of_its_cell() {
 fn many_lights_are_their_sum() {
     let field = Field::new(tree(12, 3), mixed(12)).unwrap();
     let rows = rows(700, 6);
-    let mut numbers = Numbers(8);
+    let mut numbers = Numbers::new(8);
     let mut three = || std::array::from_fn(|_| numbers.next());
     let lights: Vec<Light> = (0..3)
         .map(|_| Light {
@@ -124,7 +124,7 @@ fn damaged_ones_are_refused() {
     ];
     for kind in &EACH[1..] {
         for (reason, damage) in damages {
-            let mut damaged = of_kind(0, *kind, &mut Numbers(2));
+            let mut damaged = of_kind(0, *kind, &mut Numbers::new(2));
             assert!(Field::new(Tree::single(), vec![damaged.clone()]).is_ok());
             damage(&mut damaged);
             let refused = Field::new(Tree::single(), vec![damaged]).unwrap_err();

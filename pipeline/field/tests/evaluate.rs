@@ -60,7 +60,7 @@ fn scalar(model: &CellModel, rows: &Columns, r: usize) -> [f64; 3] {
 }
 
 fn field(cells: usize, inputs: &[u8], hidden: &[usize], seed: u64) -> Field {
-    let mut numbers = Numbers(seed);
+    let mut numbers = Numbers::new(seed);
     let models = (0..cells as u32)
         .map(|cell| model(cell, inputs, hidden, &mut numbers))
         .collect();
@@ -127,7 +127,7 @@ fn the_batch_split_does_not_change_a_bit() {
 #[test]
 fn descent_equals_the_plain_tree() {
     let mut rows = rows(2000, 1);
-    let mut numbers = Numbers(2);
+    let mut numbers = Numbers::new(2);
     for special in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         for _ in 0..50 {
             rows.columns[numbers.below(columns::COUNT)][numbers.below(2000)] = special;
@@ -172,7 +172,7 @@ fn many_lights_are_the_sum_of_single_ones() {
     let inputs: Vec<u8> = (0..25).collect();
     let field = field(40, &inputs, &[20, 10], 12);
     let mut rows = rows(500, 13);
-    let mut numbers = Numbers(14);
+    let mut numbers = Numbers::new(14);
     let lights: Vec<Light> = (0..9)
         .map(|_| Light {
             position: std::array::from_fn(|_| numbers.next()),

@@ -8,7 +8,7 @@ use rrf_field::tree::Tree;
 use rrf_field::{Field, FieldError};
 
 fn models(cells: u32) -> Vec<CellModel> {
-    let mut numbers = Numbers(1);
+    let mut numbers = Numbers::new(1);
     (0..cells)
         .map(|c| model(c, &[0, 1, 2], &[4], &mut numbers))
         .collect()

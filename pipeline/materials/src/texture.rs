@@ -58,6 +58,7 @@ fn neighbours(t: f32, size: u32) -> (usize, usize, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rrf_sampling::{Stage, Stream};
 
     /// Texel (x, row) has a red of its own.
     fn numbered(width: u32, height: u32) -> Texture {
@@ -114,13 +115,9 @@ mod tests {
     #[test]
     fn agrees_with_slow_interpolation_and_repeats() {
         let texture = numbered(5, 3);
-        let mut state = 1_u32;
-        let mut next = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (state >> 8) as f32 / (1 << 24) as f32
-        };
-        for _ in 0..10_000 {
-            let uv = Vec2::new(next() * 8.0 - 4.0, next() * 8.0 - 4.0);
+        let random = Stream::new(1, Stage::Test, 0);
+        for i in 0..10_000 {
+            let uv = Vec2::new(random.f32(i, 0), random.f32(i, 1)) * 8.0 - 4.0;
             // uv near 4 is rounded to 2^-22; the slope is below 14 a texel of 1/5.
             let bound = 14.0 * 5.0 * f64::from(f32::EPSILON) * 8.0;
             let got = f64::from(texture.sample(uv).x);

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use rrf_materials::{
     Bsdf, Material, cosine_hemisphere, cosine_hemisphere_pdf, visible_normal, visible_normal_pdf,
 };
-use rrf_trace::Stream;
+use rrf_sampling::{Stage, Stream};
 use std::f64::consts::TAU;
 
 fn principled(base_color: Vec3, roughness: f32, metallic: f32, specular: f32) -> Bsdf {
@@ -52,7 +52,7 @@ fn values_are_those_of_the_reference() {
 /// Turning everything about must not matter: the reference values are for n = z only.
 #[test]
 fn values_do_not_depend_on_the_frame() {
-    let stream = Stream::new(11, 0, 0);
+    let stream = Stream::new(11, Stage::Test, 0);
     for i in 0..1_000 {
         let (a, b) = (stream.units(i, 0, 0), stream.units(i, 0, 1));
         let turn = glam::Quat::from_axis_angle(direction(2.0 * a[0] - 1.0, a[1]), 6.0 * a[2]);
@@ -163,7 +163,7 @@ fn assert_sampler(
     tests: usize,
 ) {
     const DRAWS: u64 = 400_000;
-    let stream = Stream::new(5, 0, 0);
+    let stream = Stream::new(5, Stage::Test, 0);
     let mut counts = vec![0.0; RINGS * SECTORS + 1];
     for i in 0..DRAWS {
         let u = stream.units(i, 0, 0);
@@ -218,7 +218,7 @@ fn visible_normals_follow_their_density() {
 
 #[test]
 fn weights_are_values_over_densities() {
-    let stream = Stream::new(6, 0, 0);
+    let stream = Stream::new(6, Stage::Test, 0);
     for (name, bsdf, v) in samplers() {
         for i in 0..2_000 {
             let u = stream.units(i, 0, 0);
@@ -291,7 +291,7 @@ fn dielectrics_keep_the_balance_over_all_viewers() {
 
 #[test]
 fn light_may_run_both_ways() {
-    let stream = Stream::new(7, 0, 0);
+    let stream = Stream::new(7, Stage::Test, 0);
     for (name, bsdf, _) in samplers() {
         for i in 0..500 {
             let u = stream.units(i, 0, 0);

@@ -1,4 +1,4 @@
-//! Why a frame could not be made, read, written or compared.
+//! Why a frame could not be made, read or written.
 
 use std::path::PathBuf;
 
@@ -82,32 +82,6 @@ pub enum RenderError {
     /// Tracing.
     #[error(transparent)]
     Trace(#[from] rrf_trace::TraceError),
-    /// Two pictures of different sizes.
-    #[error(
-        "the pictures differ in size: {}x{} and {}x{}; render both at one size",
-        first.0, first.1, second.0, second.1
-    )]
-    SizeMismatch {
-        /// Size of the first.
-        first: (u32, u32),
-        /// Size of the second.
-        second: (u32, u32),
-    },
-    /// A pixel that is not a number or not finite.
-    #[error("the {picture} picture has {value} at x {x}, y {y} (from the top left)")]
-    NotFinite {
-        /// "first", "second" or "rendered".
-        picture: &'static str,
-        /// Column from the left.
-        x: u32,
-        /// Row from the top.
-        y: u32,
-        /// The value found.
-        value: f32,
-    },
-    /// The reference has no light: relative measures are undefined.
-    #[error("the reference picture is black everywhere; nothing can be compared relative to it")]
-    BlackReference,
 }
 
 impl RenderError {

@@ -3,12 +3,13 @@
 //! What the frame says of its origin stands in the standard attribute `comments`, a line a fact.
 
 use crate::error::RenderError;
-use crate::frame::{Frame, Picture};
+use crate::frame::Frame;
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer,
     LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, WritableImage,
 };
 use glam::Vec3;
+use rrf_metrics::Picture;
 use std::path::{Path, PathBuf};
 
 /// Scan lines in blocks of 16, deflated: what every reader knows.

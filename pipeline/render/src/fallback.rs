@@ -6,10 +6,8 @@ use crate::tile::Visible;
 use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
-use rrf_trace::{Queries, Sampling, Stream, TraceError, Tracer, indirect};
-
-/// Stage number of the random streams.
-const STAGE_FALLBACK: u32 = 6;
+use rrf_sampling::{Stage, Stream};
+use rrf_trace::{Queries, Sampling, TraceError, Tracer, indirect};
 
 /// Replaces the indirect light of every pixel whose trust is below 1 by that of `spp` paths a
 /// pixel and light (a multiple of 2 aa²), and sets its cell to none. Gives the number of pixels.
@@ -97,7 +95,7 @@ fn trace_row(
             viewers: &viewers,
             lights: &places,
         };
-        let stream = Stream::new(seed, STAGE_FALLBACK, k);
+        let stream = Stream::new(seed, Stage::Fallback, k);
         let Sampling { paths, replicates } = sampling;
         let estimates = indirect(tracer, queries, paths, replicates, stream, first)?;
         for (query, &i) in chosen.iter().enumerate() {

@@ -1,37 +1,7 @@
-//! Pictures and frames in memory.
+//! Frames in memory.
 
-use crate::error::RenderError;
 use glam::Vec3;
-
-/// A linear RGB picture (Rec. 709 primaries, D65), row-major from the top left.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Picture {
-    /// Width in pixels.
-    pub width: u32,
-    /// Height in pixels.
-    pub height: u32,
-    /// `width * height` pixels.
-    pub pixels: Vec<Vec3>,
-}
-
-impl Picture {
-    /// The first pixel that is not finite, as an error that names `picture`.
-    pub fn check_finite(&self, picture: &'static str) -> Result<(), RenderError> {
-        let bad = self.pixels.iter().position(|p| !p.is_finite());
-        match bad {
-            None => Ok(()),
-            Some(at) => {
-                let pixel = self.pixels[at].to_array();
-                Err(RenderError::NotFinite {
-                    picture,
-                    x: at as u32 % self.width,
-                    y: at as u32 / self.width,
-                    value: pixel.into_iter().find(|x| !x.is_finite()).unwrap_or(0.0),
-                })
-            }
-        }
-    }
-}
+use rrf_metrics::Picture;
 
 /// A rendered frame: radiance [W·sr⁻¹·m⁻²] by parts, and where it came from.
 /// Every layer present has `width * height` entries, row-major from the top left.
@@ -69,9 +39,4 @@ impl Frame {
             pixels: layer.to_vec(),
         }
     }
-}
-
-/// Luminance of linear Rec. 709 RGB (CIE Y).
-pub fn luminance(rgb: Vec3) -> f32 {
-    rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }

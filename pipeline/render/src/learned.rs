@@ -1,8 +1,8 @@
 //! What shadow rays have found from which light, and how the next ones choose by it.
 
-use crate::frame::luminance;
 use crate::tile::Visible;
 use glam::Vec3;
+use rrf_metrics::color::luminance;
 
 /// Side of a block in pixels.
 const BLOCK: u32 = 8;

@@ -4,14 +4,11 @@
 //! raw columns, tile by tile; direct light is exact, by shadow rays; the indirect light is what
 //! the nets of a [`rrf_field::Field`] say, cell by cell. [`render()`] puts the parts into a
 //! [`Frame`], [`trace_frame`] does the same view by path tracing, [`exr`] and [`png`] write them,
-//! [`compare()`] tells them apart.
+//! `rrf_metrics` tells them apart.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod blend;
-pub mod color;
-pub mod compare;
-mod convolve;
 mod direct;
 mod emitter;
 mod error;
@@ -19,7 +16,6 @@ pub mod exr;
 mod facts;
 mod fallback;
 mod few_columns;
-pub mod flip;
 mod frame;
 mod layers;
 mod learned;
@@ -32,14 +28,12 @@ mod sampled;
 mod stages;
 mod stand_in;
 mod tile;
-pub mod tone;
 mod trace_frame;
 mod view;
 
-pub use compare::compare;
 pub use error::RenderError;
 pub use fallback::trace_untrusted;
-pub use frame::{Frame, Picture, luminance};
+pub use frame::Frame;
 pub use notice::{Notice, notices, on_surface};
 pub use render::{Negative, Part, RenderOptions, Renderer, Trusted, render};
 pub use sampled::ShadowRays;

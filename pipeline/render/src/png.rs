@@ -2,9 +2,10 @@
 
 use crate::error::RenderError;
 use crate::exr::staged;
-use crate::frame::{Frame, Picture};
-use crate::tone::{Exposure, srgb8};
+use crate::frame::Frame;
 use image::{ImageFormat, Rgb, RgbImage};
+use rrf_metrics::Picture;
+use rrf_metrics::tone::{Exposure, srgb8};
 use std::path::Path;
 
 /// An 8-bit sRGB picture.

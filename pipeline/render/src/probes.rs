@@ -6,15 +6,14 @@ use glam::Vec3;
 use rrf_field::Field;
 use rrf_field::columns::{self, Columns};
 use rrf_materials::{ShadingFrame, cosine_hemisphere};
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::INVALID;
-use rrf_trace::{Reflections, Sampling, Stream, SurfacePoint, Tracer, lamp_light};
+use rrf_trace::{Reflections, Sampling, SurfacePoint, Tracer, lamp_light};
 
 /// Probes of the surface.
 const PROBES: usize = 768;
 /// Paths of a probe, in two independent halves.
 const PATHS: u32 = 128;
-/// Stage number of the random stream.
-const STAGE_STAND_IN: u32 = 8;
 
 /// Points of the surface, uniform by area, seen from directions by their cosine.
 pub struct Probes {
@@ -67,7 +66,7 @@ impl Probes {
             &self.viewers,
             Reflections::More,
             sampling,
-            Stream::new(1, STAGE_STAND_IN, light),
+            Stream::new(1, Stage::LightProxy, light),
             0,
         )?;
         Ok([0, 1].map(|half| {

@@ -15,12 +15,11 @@ use crate::learned::{Arriving, Learned};
 use crate::stages::{Lap, Stages};
 use crate::tile::Visible;
 use glam::Vec3;
-use rrf_trace::{Rays, Stream, Tracer};
+use rrf_sampling::{Stage, Stream};
+use rrf_trace::{Rays, Tracer};
 
 /// Shadow rays of a pixel and iteration.
 const ROUND: u32 = 4;
-/// Stage number of the random streams.
-const STAGE_DIRECT: u32 = 7;
 
 /// How lights are sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +74,7 @@ impl Sampled {
         let rounds = rounds(plan);
         let weights: f32 = rounds.iter().map(|round| round.weight).sum();
         self.learned.begin(seen, lights.len(), plan.count, width);
-        let stream = Stream::new(plan.seed, STAGE_DIRECT, 0);
+        let stream = Stream::new(plan.seed, Stage::Direct, 0);
         for (number, round) in (0..).zip(&rounds) {
             let mut lap = Lap::start();
             self.aim(tracer, seen, lights, stream, (number, *round), first);

@@ -19,14 +19,14 @@
 //! radiance multiply them, without another fit. How far the sum stays from the lamp's light is
 //! told ([`StandIn::error`]), Monte Carlo noise taken out.
 
-use crate::compare::EPSILON_SHARE;
 use crate::emitter::{self, Emitter};
 use crate::error::RenderError;
 use crate::few_columns::fit;
-use crate::frame::luminance;
 use crate::probes::{Probes, halton3};
 use glam::Vec3;
 use rrf_field::{Field, Light};
+use rrf_metrics::color::luminance;
+use rrf_metrics::relative::EPSILON_SHARE;
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 

@@ -1,21 +1,21 @@
 //! The same views by path tracing: what the nets' frames are judged by.
 
-use crate::compare::EPSILON_SHARE;
 use crate::direct::Direct;
 use crate::error::RenderError;
 use crate::facts;
-use crate::frame::{Frame, luminance};
+use crate::frame::Frame;
 use crate::stages::Stages;
 use crate::tile::Visible;
 use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
+use rrf_metrics::color::luminance;
+use rrf_metrics::relative::EPSILON_SHARE;
+use rrf_sampling::{Stage, Stream};
 use rrf_trace::{
-    Estimates, Queries, Reflections, Sampling, Stream, TraceError, Tracer, indirect, lamp_light,
+    Estimates, Queries, Reflections, Sampling, TraceError, Tracer, indirect, lamp_light,
 };
 
-/// Stage number of the random streams of frames.
-const STAGE_FRAME: u32 = 5;
 /// Streams of the lamps; point light k has stream k.
 const LAMPS: [u32; 2] = [u32::MAX, u32::MAX - 1];
 
@@ -109,7 +109,7 @@ fn trace_row(
             viewers,
             lights: &places,
         };
-        let stream = Stream::new(seed, STAGE_FRAME, k);
+        let stream = Stream::new(seed, Stage::Frame, k);
         let Sampling { paths, replicates } = sampling;
         let estimates = indirect(tracer, queries, paths, replicates, stream, first)?;
         for half in 0..2 {
@@ -125,7 +125,7 @@ fn trace_row(
             .into_iter()
             .enumerate()
         {
-            let stream = Stream::new(seed, STAGE_FRAME, LAMPS[part]);
+            let stream = Stream::new(seed, Stage::Frame, LAMPS[part]);
             let estimates = lamp_light(
                 tracer,
                 &seen.points,

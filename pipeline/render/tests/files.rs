@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use glam::Vec3;
-use rrf_render::tone::Exposure;
+use rrf_metrics::tone::Exposure;
 use rrf_render::{Frame, RenderError, exr, png};
 
 fn frame() -> Frame {

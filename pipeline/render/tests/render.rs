@@ -8,8 +8,9 @@ use rrf_field::columns::{self, Columns};
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
+use rrf_metrics::color::luminance;
 use rrf_render::{
-    Frame, Lights, Negative, OFF_CENTRE, Part, RenderError, RenderOptions, View, luminance, render,
+    Frame, Lights, Negative, OFF_CENTRE, Part, RenderError, RenderOptions, View, render,
     trace_frame, trace_untrusted,
 };
 use rrf_scene::{AreaLight, INVALID, Material, PointLight, Scene};

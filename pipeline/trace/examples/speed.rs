@@ -8,10 +8,9 @@
 //! relative variance of 1 is reached (standard error 1 % in 10^4 times that).
 
 use glam::Vec3;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{LoadOptions, load};
-use rrf_trace::{
-    Estimator, Hits, Queries, Rays, Sampling, Stream, SurfacePoint, Tracer, indirect_with,
-};
+use rrf_trace::{Estimator, Hits, Queries, Rays, Sampling, SurfacePoint, Tracer, indirect_with};
 use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -45,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Points all over the surface, seen from the side of the room's middle.
 fn points(tracer: &Tracer, middle: Vec3, count: u64) -> Vec<(SurfacePoint, Vec3, [f32; 4])> {
-    let stream = Stream::new(1, 0, 0);
+    let stream = Stream::new(1, Stage::Test, 0);
     (0..count)
         .map(|i| {
             let (u, w) = (stream.units(i, 0, 0), stream.units(i, 0, 1));
@@ -109,7 +108,7 @@ fn time_paths(
     let mut variance = 0.0;
     for _ in 0..REPETITIONS {
         let start = Instant::now();
-        let stream = Stream::new(2, 0, 0);
+        let stream = Stream::new(2, Stage::Test, 0);
         let found = indirect_with(tracer, queries, sampling, estimator, stream, 0)?;
         best = best.min(start.elapsed().as_secs_f64());
         variance = relative_variance(&found, paths);

@@ -6,11 +6,11 @@
 
 use crate::TraceError;
 use crate::estimates::{Estimates, Sampling, same_length};
-use crate::rng::Stream;
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
 use crate::wave::{KEEP, Part, Row, Source, estimate};
 use glam::Vec3;
+use rrf_sampling::Stream;
 
 /// Queries of indirect light: parallel columns of one length.
 #[derive(Clone, Copy, Debug)]

@@ -2,11 +2,11 @@
 
 use crate::TraceError;
 use crate::estimates::{Estimates, Sampling, same_length};
-use crate::rng::Stream;
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
 use crate::wave::{KEEP, Part, Row, Source, estimate};
 use glam::Vec3;
+use rrf_sampling::Stream;
 
 /// How often the light of lamps was reflected before it reached the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

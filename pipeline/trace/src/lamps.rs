@@ -1,6 +1,7 @@
 //! The triangles that emit, chosen by their power.
 
 use glam::Vec3;
+use rrf_sampling::warp::{by_weight, uniform_triangle};
 use rrf_scene::{INVALID, Scene};
 
 /// The scene's emitting triangles.
@@ -58,9 +59,7 @@ impl Lamps {
 
     /// A point by emitted power, uniform by area on each triangle; `None` without lamps.
     pub(crate) fn sample(&self, u: [f32; 3]) -> Option<LampPoint> {
-        let target = f64::from(u[0]) * self.cdf.last()?;
-        let at = self.cdf.partition_point(|&c| c <= target);
-        let triangle = *self.triangles.get(at.min(self.triangles.len() - 1))?;
+        let triangle = *self.triangles.get(by_weight(&self.cdf, u[0]))?;
         Some(LampPoint {
             triangle,
             barycentrics: uniform_triangle([u[1], u[2]]),
@@ -72,14 +71,6 @@ impl Lamps {
     pub(crate) fn density(&self, triangle: u32) -> f32 {
         self.density[triangle as usize]
     }
-}
-
-/// Barycentrics uniform over a triangle's area: the square root map of the unit square
-/// (Turk, *Graphics Gems*, 1990).
-#[inline]
-pub(crate) fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
-    let root = u[0].sqrt();
-    [root * (1.0 - u[1]), root * u[1]]
 }
 
 /// Radiance that a triangle of the scene emits toward `v` [W/(sr m^2)]; `outward` is its

@@ -126,7 +126,7 @@ mod tests {
         // the longest edge, of the room's walls, is below 3
         let spacing = 3.0 / N as f32;
         for k in 0..100 {
-            let u = crate::Stream::new(5, 0, 0).units(k, 0, 0);
+            let u = rrf_sampling::Stream::new(5, rrf_sampling::Stage::Test, 0).units(k, 0, 0);
             let place = Vec3::new(1.8 * u[0] - 0.9, 1.9 * u[1] + 0.05, 1.8 * u[2] - 0.9);
             let nearest = points.iter().map(|p| p.distance(place)).fold(9.0, f32::min);
             let found = tracer.distance(place, 2.0).unwrap();

@@ -1,9 +1,9 @@
 //! Where rays end: points, frames and materials on the scene's surface.
 
-use crate::lamps;
 use crate::tracer::Tracer;
 use glam::Vec3;
 use rrf_materials::Bsdf;
+use rrf_sampling::warp::{by_weight, uniform_triangle};
 
 /// A point on the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,11 +61,8 @@ impl Tracer<'_> {
     /// A point uniform over the surface by area, from three numbers in [0, 1).
     /// Density 1 / [`Tracer::area`] with respect to area.
     pub fn sample_area(&self, u: [f32; 3]) -> SurfacePoint {
-        let target = f64::from(u[0]) * self.area();
-        let last = self.area_cdf.len().saturating_sub(1);
-        // The first triangle whose cumulative area exceeds the target has an area.
-        let triangle = self.area_cdf.partition_point(|&c| c <= target).min(last);
-        self.point(triangle as u32, lamps::uniform_triangle([u[1], u[2]]))
+        let triangle = by_weight(&self.area_cdf, u[0]);
+        self.point(triangle as u32, uniform_triangle([u[1], u[2]]))
     }
 
     /// Unit shading normal at a point for a viewer in direction `v`: the interpolated normal on
@@ -121,6 +118,6 @@ impl Tracer<'_> {
 
     /// Radiance that the surface emits at a point toward `v` [W/(sr m^2)].
     pub fn emission(&self, point: &SurfacePoint, v: Vec3) -> Vec3 {
-        lamps::emission(self.scene, point.triangle, point.normal, v)
+        crate::lamps::emission(self.scene, point.triangle, point.normal, v)
     }
 }

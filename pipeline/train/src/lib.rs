@@ -37,7 +37,7 @@
 //! - `baseline`: what nets are compared with;
 //! - [`fit`]: prepare, initialize, optimise, evaluate, report. The steps are those of `rrf_lm`.
 //!
-//! [`cut`] says where a cell is best cut in two, [`halves`] tells errors without Monte Carlo noise.
+//! [`cut`] says where a cell is best cut in two.
 //!
 //! One net runs on one thread; train cells in parallel.
 
@@ -50,7 +50,6 @@ pub mod cut;
 pub mod end;
 pub mod error;
 pub mod fit;
-pub mod halves;
 pub mod net;
 pub mod report;
 mod rows;
@@ -59,10 +58,8 @@ pub use config::{ARCHITECTURES, Batches, Decay, Schedule, Size, TrainConfig};
 pub use end::FitEnd;
 pub use error::TrainError;
 pub use fit::{fit_cell, fit_from};
-pub use halves::ErrorEstimate;
 pub use net::blocks::Precision;
 pub use report::{CellFit, HistoryRow};
 pub use rows::samples::Samples;
-pub use rows::units::channel_mean;
 pub use rrf_field::model::Kind;
 pub use rrf_lm::LmConfig;

@@ -2,9 +2,9 @@
 
 use crate::cell::Cell;
 use crate::end::FitEnd;
-use crate::halves::ErrorEstimate;
 use rrf_field::model::CellModel;
 use rrf_field::net::Shape;
+use rrf_metrics::ErrorEstimate;
 
 /// A fitted cell.
 #[derive(Clone, Debug, PartialEq)]

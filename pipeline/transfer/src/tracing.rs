@@ -3,8 +3,9 @@
 use glam::Vec3;
 
 pub use rrf_materials::Bsdf;
-pub use rrf_trace::sobol::{DIMENSIONS, Scramble, Table, scramble};
-pub use rrf_trace::{Hits, Rays, Stream, SurfacePoint, Tracer};
+pub use rrf_sampling::Stream;
+pub use rrf_sampling::sobol::{DIMENSIONS, Scramble, Table, scramble};
+pub use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
 /// The first direction of a path and what scattering into it carries.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use crate::pixels;
 use crate::show::Show;
 use crate::socket::{Ended, Socket};
 use glam::Vec3;
-use rrf_render::tone::Exposure;
+use rrf_metrics::tone::Exposure;
 use rrf_render::{Frame, Part, RenderError, RenderOptions, Renderer};
 use rrf_trace::{Hits, Rays};
 use serde_json::{Value, json};

@@ -3,8 +3,10 @@
 use crate::ask::Mode;
 use glam::Vec3;
 use rayon::prelude::*;
-use rrf_render::tone::{Exposure, srgb8};
-use rrf_render::{Frame, Picture, luminance, png};
+use rrf_metrics::relative::{channel_mean, epsilon_of, inverse_level};
+use rrf_metrics::tone::{Exposure, srgb8};
+use rrf_metrics::{Picture, color::luminance};
+use rrf_render::{Frame, png};
 use std::sync::LazyLock;
 
 /// Steps of [`ENCODED`]: 5 a grey level where the sRGB curve is steepest.
@@ -66,20 +68,21 @@ fn trust(frame: &Frame, exposure: Exposure) -> Vec<u8> {
     })
 }
 
-/// How far `test` is from `reference` in luminance, relative to the reference (or to 5 % of its
-/// mean where it is darker): red where too bright, blue where too dark, full colour at
-/// [`FULL_DIFFERENCE`].
+/// How far the channel means of `test` are from those of `reference`, divided as in the relative
+/// error: red where too bright, blue where too dark, full colour at [`FULL_DIFFERENCE`].
 pub fn difference(reference: &Picture, test: &Picture) -> Vec<u8> {
-    let levels: Vec<f32> = reference.pixels.iter().map(|&p| luminance(p)).collect();
-    let mean = levels.iter().map(|&y| f64::from(y)).sum::<f64>() / levels.len().max(1) as f64;
-    let least = (0.05 * mean as f32).max(f32::MIN_POSITIVE);
-    let pairs: Vec<f32> = test
-        .pixels
-        .iter()
-        .zip(&levels)
-        .map(|(&p, &y)| (luminance(p) - y) / y.max(least) / FULL_DIFFERENCE)
-        .collect();
-    coded(&pairs, |&signed| {
+    let rows = |picture: &'_ Picture| -> Vec<[f64; 3]> {
+        let pixels = picture.pixels.iter();
+        pixels.map(|p| p.as_dvec3().to_array()).collect()
+    };
+    let (reference, test) = (rows(reference), rows(test));
+    let epsilon = epsilon_of(reference.iter().copied());
+    let pairs = reference.into_iter().zip(test);
+    let pairs = pairs.map(|(m, p)| {
+        let [m, p] = [m, p].map(channel_mean);
+        ((p - m) * inverse_level(m, epsilon)) as f32 / FULL_DIFFERENCE
+    });
+    coded(&pairs.collect::<Vec<f32>>(), |&signed| {
         let strength = signed.abs().min(1.0);
         let fade = |to: f32| (250.0 + strength * (to - 250.0)) as u8;
         if signed > 0.0 {

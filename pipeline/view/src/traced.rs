@@ -7,7 +7,8 @@ use crate::show::Show;
 use crate::socket::{Ended, Socket};
 use glam::Vec3;
 use rayon::ThreadPool;
-use rrf_render::{Frame, Part, Picture, RenderError, compare, trace_frame};
+use rrf_metrics::{MetricsError, Picture, compare};
+use rrf_render::{Frame, Part, RenderError, trace_frame};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -116,7 +117,7 @@ impl Work {
 
     /// The traced picture and the difference, and how far apart they are; the perceptual
     /// measures take long, and so only after 1, 2, 4, 8 ... passes.
-    fn tell(&self) -> Result<(Value, [Vec<u8>; 2]), RenderError> {
+    fn tell(&self) -> Result<(Value, [Vec<u8>; 2]), MetricsError> {
         let mean = 1.0 / self.passes.max(1) as f32;
         let truth = Picture {
             pixels: self.sum.iter().map(|&sum| mean * sum).collect(),

@@ -11,7 +11,7 @@ use crate::policy::actions::refinements_of;
 use crate::policy::boundary::Boundaries;
 use crate::policy::budget::budget;
 use crate::policy::compress::{compression_pass, restore_worst, restored};
-use crate::policy::evaluate::{error_floor, evaluate};
+use crate::policy::evaluate::evaluate;
 use crate::policy::gain::{self, GainCalibration};
 use crate::policy::{refine, test_rows};
 use crate::run::folder::Run;
@@ -19,6 +19,7 @@ use crate::run::samples::{held_out_rows, read_some};
 use rayon::prelude::*;
 use rrf_field::Field;
 use rrf_field::tree::Domain;
+use rrf_metrics::relative::epsilon;
 use rrf_store::layout::{TEST, fit_folder, remove_unfinished};
 use rrf_store::model::{self, Fit, ModelTree, Seams};
 use rrf_store::parts;
@@ -152,7 +153,7 @@ fn commit(run: &Run, plan: &RoundPlan) -> Result<Evaluation, BakeError> {
     let (models, mut metrics): (Vec<_>, Vec<_>) =
         fits.into_iter().map(|fit| (fit.model, fit.metrics)).unzip();
     let field = Field::new(plan.tree.clone(), models)?;
-    let floor = error_floor(run.config.train.epsilon, plan.mean_radiance);
+    let floor = epsilon(run.config.train.epsilon, f64::from(plan.mean_radiance));
     evaluation.test = test_rows::evaluate(&test_predictions(run, plan, &field)?, floor);
     let found = boundaries(run, plan, &Boundaries::new(&field, &spans, floor))?;
     for (metrics, found) in metrics.iter_mut().zip(found) {

@@ -9,13 +9,14 @@ use crate::run::folder::Run;
 use crate::run::samples::{each_part, read_cell};
 use rrf_field::model::CellModel;
 use rrf_field::tree::Domain;
+use rrf_metrics::estimate::{ErrorEstimate, SquareError};
 use rrf_store::atomic::create_folder;
 use rrf_store::layout::{fit_folder, staging_folder};
-use rrf_store::model::{self, CellMetrics, Fit, FitStep, SquareError};
+use rrf_store::model::{self, CellMetrics, Fit, FitStep};
 use rrf_store::samples::SampleTable;
 use rrf_store::{StoreError, atomic};
 use rrf_train::fit::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, ErrorEstimate, HistoryRow, Samples, TrainConfig, fit_from};
+use rrf_train::{CellFit, HistoryRow, Samples, TrainConfig, fit_from};
 
 /// Fits a cell and writes the fit.
 pub(crate) fn fit_cell(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), BakeError> {
@@ -188,12 +189,7 @@ impl RowFacts {
 }
 
 fn metrics(fit: &CellFit, seed: u64, noise: Option<f64>, round: u32) -> CellMetrics {
-    let error = |e: &ErrorEstimate| {
-        (e.rows > 0).then_some(SquareError {
-            mean: e.square,
-            se: e.square_se,
-        })
-    };
+    let error = |e: &ErrorEstimate| (e.rows > 0).then(|| SquareError::from(*e));
     CellMetrics {
         cell_id: fit.model.cell,
         round,

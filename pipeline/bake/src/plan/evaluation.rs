@@ -40,7 +40,7 @@ pub struct TestError {
     pub relative_error_se: f64,
 }
 
-/// Error of the whole model: sqrt(mean((p−m)² / max(c(m), ε)²)), c the channel mean, ε = 5 % of its mean.
+/// Relative error of the whole model ([`rrf_metrics::relative`]), free of Monte Carlo noise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// Relative error on the held-out rows of the cells, 0 where the square came out negative.
@@ -98,7 +98,7 @@ impl Evaluation {
 }
 
 /// The square of a relative error and its standard error: the inverse of
-/// [`ErrorEstimate::relative_se`](rrf_train::ErrorEstimate::relative_se).
+/// [`ErrorEstimate::relative_se`](rrf_metrics::ErrorEstimate::relative_se).
 fn square((error, se): (f64, f64)) -> (f64, f64) {
     let square_se = if error > 0.0 {
         2.0 * error * se

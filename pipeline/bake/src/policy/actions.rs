@@ -8,9 +8,9 @@ use crate::plan::evaluation::CellEvaluation;
 use crate::plan::refinement::{Action, Refinement};
 use crate::plan::round::{CellPlan, PartPlan, RoundPlan};
 use crate::policy::cost;
-use crate::policy::evaluate::error_floor;
 use crate::policy::tasks::fit_config;
 use crate::settings::BakeConfig;
+use rrf_metrics::relative::epsilon;
 use rrf_store::samples::SampleTable;
 use rrf_train::cut::{Cut, Rule, best_cut};
 use rrf_train::{ARCHITECTURES, Size};
@@ -79,7 +79,7 @@ fn cut(
     table: &SampleTable,
 ) -> Option<(Cut, f64)> {
     let halves = [table.halves[0].as_slice(), table.halves[1].as_slice()];
-    let floor = error_floor(config.train.epsilon, plan.mean_radiance);
+    let floor = epsilon(config.train.epsilon, f64::from(plan.mean_radiance));
     let lambert = |&m: &u32| plan.lambert.get(m as usize).copied().unwrap_or(false);
     let glossy = !table.material.iter().all(lambert);
     let fewest = config.extract.fewest_rows as usize;

@@ -2,17 +2,8 @@
 
 use crate::plan::evaluation::{CellEvaluation, Evaluation};
 use crate::plan::round::RoundPlan;
+use rrf_metrics::ErrorEstimate;
 use rrf_store::model::Fit;
-use rrf_train::ErrorEstimate;
-
-/// The smallest divisor of a relative error [W·sr⁻¹·m⁻²]: a share of the mean radiance, or any
-/// positive number where all is black.
-pub(crate) fn error_floor(share: f64, mean_radiance: f32) -> f64 {
-    match mean_radiance > 0.0 {
-        true => share * f64::from(mean_radiance),
-        false => 1.0,
-    }
-}
 
 /// Evaluates a model on the held-out rows of its cells, weighted by their measure.
 pub(crate) fn evaluate(plan: &RoundPlan, fits: &[Fit]) -> Evaluation {
@@ -54,16 +45,5 @@ pub(crate) fn evaluate(plan: &RoundPlan, fits: &[Fit]) -> Evaluation {
         relative_error_se: whole.relative_se(),
         test: None,
         cells,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn black_scenes_have_a_floor() {
-        assert_eq!(error_floor(0.05, 2.0), 0.1);
-        assert_eq!(error_floor(0.05, 0.0), 1.0);
     }
 }

@@ -1,13 +1,12 @@
 //! The rows held out of training: 30 %, chosen by a hash of the row (Beale et al.: 70 % train, 30 % validate).
 
+use rrf_sampling::hash::hash;
+
 /// Whether the row with this index in the run is held out of training. Depends on the arguments alone,
 /// so that a row stays on its side when its cell is extracted again, split or refined.
 pub fn is_held_out(seed: u64, index: u64) -> bool {
-    let mut z = seed ^ index.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     // compares a uniform 64-bit number with 0.3 of its range
-    (z ^ (z >> 31)) < (u64::MAX / 10) * 3
+    hash(seed, index) < (u64::MAX / 10) * 3
 }
 
 #[cfg(test)]

@@ -8,9 +8,9 @@ use crate::plan::evaluation::{Evaluation, TestError};
 use crate::plan::round::{DrawPlan, RoundPlan, draw_parts};
 use crate::settings::BakeConfig;
 use rrf_field::{Field, FieldError};
+use rrf_metrics::estimate::{ErrorEstimate, by_halves};
+use rrf_metrics::relative::{channel_mean, inverse_level};
 use rrf_store::samples::SampleTable;
-use rrf_train::channel_mean;
-use rrf_train::halves::{ErrorEstimate, product};
 
 /// Paths of a test row relative to a first sample, and the minimum: less noise by more rows costs more
 /// than by more paths.
@@ -156,9 +156,9 @@ fn error(rows: &[TestRow], floor: f64) -> ErrorEstimate {
     let by = |share: f64| -> (ErrorEstimate, f64) {
         let divisor = |row: &TestRow| {
             let mixed = share * channel_mean(row.y()) + (1.0 - share) * channel_mean(row.p);
-            1.0 / mixed.max(floor)
+            inverse_level(mixed, floor)
         };
-        let value = |row: &TestRow| product(row.p, row.halves[0], row.halves[1], divisor(row));
+        let value = |row: &TestRow| by_halves(row.p, row.halves[0], row.halves[1], divisor(row));
         let values: Vec<f64> = rows.iter().map(value).collect();
         let noise = |row: &TestRow| row.noise() * divisor(row).powi(2);
         let noise = rows.iter().map(noise).sum::<f64>() / rows.len() as f64;

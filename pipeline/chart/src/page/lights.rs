@@ -3,6 +3,8 @@
 use crate::{ChartError, html};
 use rrf_bake::{Run, is_held_out};
 use rrf_field::{Field, columns};
+use rrf_metrics::estimate::{SquareError, by_halves};
+use rrf_metrics::relative::{channel_mean, epsilon_of, inverse_level};
 use rrf_store::{layout, model, parts};
 
 /// Bins along each axis of the light box.
@@ -26,15 +28,10 @@ pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
     let tables = (layout::list_cells(&run.folder)?.into_iter())
         .map(|cell| Ok(parts::read_cell(&run.folder, cell, &facts)?.table))
         .collect::<Result<Vec<_>, ChartError>>()?;
-    let lum = |y: [f32; 3]| f64::from(y[0] + y[1] + y[2]) / 3.0;
-    let (mut sum, mut count) = (0.0, 0.0);
-    for table in &tables {
-        sum += (0..table.len())
-            .map(|row| lum(table.mean(row)))
-            .sum::<f64>();
-        count += table.len() as f64;
-    }
-    let floor = 0.05 * sum / f64::max(count, 1.0);
+    let targets = tables
+        .iter()
+        .flat_map(|table| (0..table.len()).map(|row| table.mean(row).map(f64::from)));
+    let floor = epsilon_of(targets);
     let b = run.manifest.light_box;
     let mut bins = [[Bin::default(); BINS]; 3];
     for table in &tables {
@@ -51,13 +48,10 @@ pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
             if !is_held_out(run.config.train.seed, index) {
                 continue;
             }
-            let p = [r, g, blue];
-            let (y0, y1) = (table.halves[0][row], table.halves[1][row]);
-            let square: f64 = (0..3)
-                .map(|c| f64::from(p[c] - y0[c]) * f64::from(p[c] - y1[c]))
-                .sum();
-            // the target's own luminance is noisy, and small where the noise says so
-            let square = square / 3.0 / lum(p).max(floor).powi(2);
+            let p = [r, g, blue].map(f64::from);
+            // the target's own level is noisy, and small where the noise says so
+            let inverse = inverse_level(channel_mean(p), floor);
+            let square = by_halves(p, table.halves[0][row], table.halves[1][row], inverse);
             let light = table.columns.vec3(columns::L, row);
             for axis in 0..3 {
                 let width = f64::from(b[axis + 3] - b[axis]).max(f64::MIN_POSITIVE);
@@ -72,7 +66,7 @@ pub(super) fn by_position(run: &Run) -> Result<String, ChartError> {
     let mut out = String::from(
         "<h2>Error by light position</h2>\n<p class=\"note\">Relative error on rows held out, \
          Monte Carlo noise taken out, ± its standard error, relative to the \
-         prediction's luminance, by the light's place along each axis of the light box.</p>\n",
+         prediction itself, by the light's place along each axis of the light box.</p>\n",
     );
     for (axis, bins) in bins.iter().enumerate() {
         let width = (b[axis + 3] - b[axis]) / BINS as f32;
@@ -95,7 +89,7 @@ fn line(from: f32, width: f32, bin: &Bin) -> Vec<String> {
         let mean = bin.square / bin.rows;
         let variance = (bin.square_of_squares / bin.rows - mean * mean).max(0.0);
         let se = (variance / (bin.rows - 1.0)).sqrt();
-        let (error, se) = model::SquareError { mean, se }.relative();
+        let (error, se) = SquareError { mean, se }.relative();
         format!("{:.2} ± {:.2} %", 100.0 * error, 100.0 * se)
     };
     vec![

@@ -2,6 +2,7 @@
 
 use crate::html;
 use rrf_bake::Run;
+use rrf_metrics::relative::FORMULA;
 use rrf_scene::Scene;
 use rrf_store::model::{CellMetrics, Seams, Spread};
 use serde_json::Value;
@@ -99,8 +100,8 @@ pub(super) fn cells(metrics: &[CellMetrics]) -> String {
         "stopped because",
     ];
     format!(
-        "<h2>Error by cell</h2>\n<p class=\"note\">Relative error sqrt(mean((p − m)² / max(lum, ε)²)), \
-         ε 5 % of the mean luminance, Monte Carlo noise taken out, ± its standard error. Worst \
+        "<h2>Error by cell</h2>\n<p class=\"note\">Relative error {FORMULA}, \
+         Monte Carlo noise taken out, ± its standard error. Worst \
          first. Jump: where the net meets its neighbours', the median relative difference; \
          change: that of the net itself over a tenth of its cell.</p>\n{}{}",
         html::table(&heads, first),

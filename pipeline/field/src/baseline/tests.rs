@@ -3,10 +3,10 @@
 use super::nearest::{NEIGHBOURS, Nearest};
 use super::probes::{Grid, HARMONICS, Probes, corners, harmonics};
 use super::quadratic::{self, Quadratic};
-use crate::rng::{Stage, Stream};
+use rrf_sampling::{Stage, Stream};
 
 fn numbers(count: usize, of: u32) -> Vec<f32> {
-    let mut random = Stream::new(5, Stage::Test, of).walk(0);
+    let mut random = Stream::new(5, Stage::Test, of).dimensions(0);
     (0..count).map(|_| 2.0 * random.next_f32() - 1.0).collect()
 }
 

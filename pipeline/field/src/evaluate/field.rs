@@ -295,12 +295,12 @@ mod tests {
     use super::*;
     use crate::model::Kind;
     use crate::model::net::Shape;
-    use crate::rng::{Stage, Stream};
+    use rrf_sampling::{Stage, Stream};
 
     /// What each kind of processor computes, whatever this one is.
     #[test]
     fn every_register_shape_gives_the_same() {
-        let mut random = Stream::new(3, Stage::Test, 0).walk(0);
+        let mut random = Stream::new(3, Stage::Test, 0).dimensions(0);
         let mut number = || 2.0 * random.next_f32() - 1.0;
         let mut rows = Columns::default();
         for _ in 0..150 {

@@ -4,25 +4,22 @@ use rrf_field::columns::{self, Columns};
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::{LEAF, Tree};
+use rrf_sampling::{Dimensions, Stage, Stream};
 
-/// Numbers in [-1, 1) from a splitmix64 sequence.
-pub struct Numbers(pub u64);
+/// Numbers in [-1, 1).
+pub struct Numbers(Dimensions);
 
 impl Numbers {
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+    pub fn new(seed: u64) -> Numbers {
+        Numbers(Stream::new(seed, Stage::Test, 0).dimensions(0))
     }
 
     pub fn next(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+        2.0 * self.0.next_f32() - 1.0
     }
 
     pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n as u64) as usize
+        self.0.next_u32() as usize % n
     }
 
     pub fn unit(&mut self) -> [f32; 3] {
@@ -38,7 +35,7 @@ impl Numbers {
 
 /// Points and lights in the cube [-1, 1]^3, unit normals and directions, material in [0, 1].
 pub fn rows(count: usize, seed: u64) -> Columns {
-    let mut numbers = Numbers(seed);
+    let mut numbers = Numbers::new(seed);
     let mut rows = Columns::default();
     for _ in 0..count {
         let mut row = [0.0; columns::COUNT];
@@ -87,7 +84,7 @@ pub fn model(cell: u32, inputs: &[u8], hidden: &[usize], numbers: &mut Numbers) 
 
 /// A tree grown by splitting random leaves on random columns.
 pub fn tree(cells: usize, seed: u64) -> Tree {
-    let mut numbers = Numbers(seed);
+    let mut numbers = Numbers::new(seed);
     let mut tree = Tree::single();
     for cell in 1..cells {
         let leaves: Vec<usize> = (0..tree.axis.len())

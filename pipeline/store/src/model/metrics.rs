@@ -3,6 +3,7 @@
 use crate::error::StoreError;
 use crate::table::{Arrays, Field, Rows};
 use crate::table_row;
+use rrf_metrics::estimate::SquareError;
 
 table_row! {
     /// How the fit of one cell went, as in `schemas/metrics.toml`.
@@ -42,30 +43,6 @@ table_row! {
         pub seed: u64,
         /// Where its net meets others; `None` in a single fit, which knows no neighbours.
         pub seams: Option<Seams>,
-    }
-}
-
-/// A mean relative square error with the Monte Carlo noise taken out, so that it may be negative.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SquareError {
-    /// The estimate.
-    pub mean: f64,
-    /// Its standard error.
-    pub se: f64,
-}
-
-impl SquareError {
-    /// The relative error, 0 where the estimate is negative, and its standard error: that of a
-    /// square root, se / (2 error), which near 0 gives way to its upper limit sqrt(se).
-    pub fn relative(self) -> (f64, f64) {
-        let error = self.mean.max(0.0).sqrt();
-        let limit = self.se.max(0.0).sqrt();
-        let se = if error > 0.0 {
-            (self.se / (2.0 * error)).min(limit)
-        } else {
-            limit
-        };
-        (error, se)
     }
 }
 

@@ -11,7 +11,7 @@ mod tree;
 mod weights;
 
 pub use fit::{Fit, fit_task, read_fit, write_fit};
-pub use metrics::{CellMetrics, Seams, Spread, SquareError};
+pub use metrics::{CellMetrics, Seams, Spread};
 pub use steps::{FitStep, read_steps, write_steps};
 pub use tree::ModelTree;
 

@@ -4,16 +4,15 @@ use rrf_field::columns::{COUNT, Columns};
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::{Domain, Tree};
+use rrf_metrics::estimate::SquareError;
+use rrf_sampling::hash::hash;
 use rrf_store::manifest::{FORMAT, RunFacts, RunManifest};
-use rrf_store::model::{CellMetrics, FitStep, ModelTree, Seams, Spread, SquareError};
+use rrf_store::model::{CellMetrics, FitStep, ModelTree, Seams, Spread};
 use rrf_store::samples::SampleTable;
 
-/// A number in [0, 1) from a counter (splitmix64).
+/// A number in [0, 1) from a counter.
 pub fn unit(counter: u64) -> f32 {
-    let mut z = counter.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+    rrf_sampling::unit((hash(0, counter + 1) >> 32) as u32)
 }
 
 pub fn manifest() -> RunManifest {

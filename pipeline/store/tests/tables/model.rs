@@ -6,8 +6,8 @@ use rrf_store::StoreError;
 use rrf_store::layout::fit_folder;
 use rrf_store::manifest::RunFacts;
 use rrf_store::model::{
-    ModelTree, SquareError, read_metrics, read_model, read_steps, read_tree, read_weights,
-    write_metrics, write_steps, write_tree, write_weights,
+    ModelTree, read_metrics, read_model, read_steps, read_tree, read_weights, write_metrics,
+    write_steps, write_tree, write_weights,
 };
 
 /// What the message must say, and the damage.
@@ -137,23 +137,6 @@ fn read_weights_needs_a_file() {
         matches!(error, StoreError::Io { .. }) && error.is_bad_input(),
         "{error}"
     );
-}
-
-/// d sqrt(x) = dx / (2 sqrt(x)); at and below zero the limit is sqrt(se).
-#[test]
-fn relative_error_from_its_square() {
-    let (error, se) = SquareError {
-        mean: 0.04,
-        se: 0.004,
-    }
-    .relative();
-    assert!((error - 0.2).abs() < 1e-15 && (se - 0.01).abs() < 1e-15);
-    let (error, se) = SquareError {
-        mean: -0.5,
-        se: 0.04,
-    }
-    .relative();
-    assert!(error == 0.0 && (se - 0.2).abs() < 1e-15);
 }
 
 #[test]

@@ -78,7 +78,7 @@ fn points_have_their_density() {
     };
     let mut found = vec![0.0; cells * cells + 1];
     for i in 0..count {
-        let u = crate::rng::Stream::new(5, 0, 0).units(i, 0, 0);
+        let u = rrf_sampling::Stream::new(5, rrf_sampling::Stage::Test, 0).units(i, 0, 0);
         let proposal = mirrors.propose(x, l, [u[0], u[1], u[2]]).unwrap();
         assert!((proposal.position.y - 0.5).abs() < 1e-6);
         let y = mirrors.mirrors[0].coordinates(proposal.position);

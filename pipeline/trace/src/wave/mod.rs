@@ -15,10 +15,10 @@ mod shade;
 mod specular;
 mod tile;
 
-use crate::sobol::Table;
 use glam::{DVec3, Vec3};
 pub(crate) use part::{Part, Row, Source};
 use rayon::prelude::*;
+use rrf_sampling::sobol::Table;
 use run::{Batch, Wave};
 
 /// Paths that travel together: their columns stay in a core's own cache.
@@ -71,8 +71,8 @@ fn means(wave: &mut Wave, part: &Part, table: &Table, rows: &[Row], each: usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rng::Stream;
     use crate::tracer::Tracer;
+    use rrf_sampling::{Stage, Stream};
     use rrf_scene::{LoadOptions, load};
     use std::path::Path;
 
@@ -86,7 +86,7 @@ mod tests {
         let tracer = Tracer::new(&scene).unwrap();
         let rows: Vec<Row> = (0..8 * 64)
             .map(|row| {
-                let u = Stream::new(91, 0, 0).units(row / 64, 0, 0);
+                let u = Stream::new(91, Stage::Test, 0).units(row / 64, 0, 0);
                 let point = tracer.sample_area([u[0], u[1], u[2]]);
                 let inward = Vec3::new(0.0, 1.0, 0.0) - point.position;
                 Row {
@@ -104,7 +104,7 @@ mod tests {
                 source: Source::Point { connect: true },
                 direct: false,
                 keep,
-                stream: Stream::new(seed, 0, 0),
+                stream: Stream::new(seed, Stage::Test, 0),
             };
             let values = estimate(&part, &rows, 128);
             values.chunks(64).map(statistics).collect::<Vec<_>>()

@@ -1,9 +1,9 @@
 //! Which light of which rows is wanted.
 
-use crate::rng::Stream;
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
 use glam::Vec3;
+use rrf_sampling::Stream;
 
 /// Which lights shine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! Random numbers of a tile's paths.
 
-use crate::rng::{self, Stream};
-use crate::sobol::{self, DIMENSIONS, Scramble};
 use multiversion::multiversion;
 use rrf_materials::{Lane, TILE};
+use rrf_sampling::sobol::{self, DIMENSIONS, Scramble};
+use rrf_sampling::{Stream, unit};
 
 /// Bounces whose directions come from the Sobol sequence, three dimensions each.
 pub(crate) const STRATIFIED: usize = 2;
@@ -15,8 +15,6 @@ pub(crate) const SPECULAR: usize = LIGHT + 3;
 pub(crate) const SPECULAR_BLOCKS: u32 = 1 << 29;
 /// Blocks of the choice of a lamp's point, one a bounce.
 pub(crate) const LAMP_BLOCKS: u32 = 1 << 30;
-/// Blocks from here on belong to a replicate, those below to a path's bounces.
-const REPLICATE_BLOCKS: u32 = 1 << 31;
 
 /// Which numbers a lane draws.
 pub(crate) struct Draws {
@@ -68,9 +66,8 @@ impl Draws {
 pub(crate) fn independent(draws: &mut Draws, stream: Stream, bounce: u32) {
     for i in 0..TILE {
         let counter = [draws.index[0][i], draws.index[1][i], draws.path[i], bounce];
-        let words = rng::philox4x32(counter, stream.key());
-        for (unit, word) in draws.units.iter_mut().zip(words) {
-            unit[i] = rng::unit(word);
+        for (lane, word) in draws.units.iter_mut().zip(stream.at(counter)) {
+            lane[i] = unit(word);
         }
     }
 }
@@ -84,16 +81,4 @@ pub(crate) fn stratified(draws: &mut Draws) {
             draws.units[d][i] = sobol::scramble(draws.reversed[d][i], by);
         }
     }
-}
-
-/// The scrambles of one replicate of a sample: replicates are independent of each other.
-pub(crate) fn scrambles(stream: Stream, index: u64, replicate: u32) -> [Scramble; DIMENSIONS] {
-    let mut all = [[0; 2]; DIMENSIONS];
-    for (block, pair) in all.chunks_mut(2).enumerate() {
-        let words = stream.block(index, replicate, REPLICATE_BLOCKS + block as u32);
-        for (scramble, word) in pair.iter_mut().zip(words.chunks(2)) {
-            scramble.copy_from_slice(word);
-        }
-    }
-    all
 }

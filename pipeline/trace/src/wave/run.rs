@@ -3,15 +3,15 @@
 use super::kernels::{Answers, Departures, LampLanes, Lit, Vertices};
 use super::part::{Part, Row, Source};
 use super::path::{Connection, LightVertex, Path};
-use super::random::{self, Draws};
+use super::random::Draws;
 use super::tile::Contributions;
 use crate::lamps;
 use crate::mirrors::NO_MIRROR;
 use crate::rays;
-use crate::sobol::{DIMENSIONS, Scramble, Table};
 use crate::tracer::Tracer;
 use crate::walk::{Found, Ray, Stack};
 use glam::Vec3;
+use rrf_sampling::sobol::{self, DIMENSIONS, Scramble, Table};
 use rrf_scene::INVALID;
 
 /// Rows whose paths travel together.
@@ -153,7 +153,7 @@ impl Wave {
         for (index, row) in batch.rows.iter().enumerate() {
             let stream = batch.part.stream;
             self.scrambles
-                .push(random::scrambles(stream, row.index, row.replicate));
+                .push(sobol::scrambles(stream, row.index, row.replicate));
             let first = index * batch.paths;
             self.paths.extend((0..batch.paths).map(|path| Path {
                 row: index as u32,

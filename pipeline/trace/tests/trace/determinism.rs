@@ -2,10 +2,11 @@
 
 use crate::scenes::cornell;
 use glam::Vec3;
-use rrf_trace::{Queries, Stream, SurfacePoint, Tracer, indirect};
+use rrf_sampling::{Stage, Stream};
+use rrf_trace::{Queries, SurfacePoint, Tracer, indirect};
 
 fn queries(tracer: &Tracer, count: u64) -> (Vec<SurfacePoint>, Vec<Vec3>, Vec<Vec3>) {
-    let stream = Stream::new(81, 0, 0);
+    let stream = Stream::new(81, Stage::Test, 0);
     let (mut points, mut viewers, mut lights) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..count {
         let (u, w) = (stream.units(i, 0, 0), stream.units(i, 0, 1));
@@ -32,7 +33,7 @@ fn threads_and_batches_do_not_matter() {
     let scene = cornell();
     let tracer = Tracer::new(&scene).unwrap();
     let (points, viewers, lights) = queries(&tracer, 77);
-    let stream = Stream::new(82, 1, 2);
+    let stream = Stream::new(82, Stage::Extract, 2);
     let run = |from: usize, to: usize| {
         let queries = Queries {
             points: &points[from..to],
@@ -68,8 +69,24 @@ fn long_rows_are_the_mean_of_their_paths() {
         viewers: &viewers,
         lights: &lights,
     };
-    let long = indirect(&tracer, queries, 20_000, 2, Stream::new(83, 0, 0), 0).unwrap();
-    let split = indirect(&tracer, queries, 20_000, 200, Stream::new(83, 0, 0), 0).unwrap();
+    let long = indirect(
+        &tracer,
+        queries,
+        20_000,
+        2,
+        Stream::new(83, Stage::Test, 0),
+        0,
+    )
+    .unwrap();
+    let split = indirect(
+        &tracer,
+        queries,
+        20_000,
+        200,
+        Stream::new(83, Stage::Test, 0),
+        0,
+    )
+    .unwrap();
     for q in 0..points.len() {
         if split.mean(q) == Vec3::ZERO {
             // Under a box.
@@ -92,8 +109,17 @@ fn seeds_and_indices_matter() {
         viewers: &viewers,
         lights: &lights,
     };
-    let run =
-        |seed, index| indirect(&tracer, queries, 64, 2, Stream::new(seed, 0, 0), index).unwrap();
+    let run = |seed, index| {
+        indirect(
+            &tracer,
+            queries,
+            64,
+            2,
+            Stream::new(seed, Stage::Test, 0),
+            index,
+        )
+        .unwrap()
+    };
     assert_ne!(run(1, 0), run(2, 0));
     assert_ne!(run(1, 0), run(1, 1));
     assert_eq!(run(1, 0), run(1, 0));

@@ -5,10 +5,11 @@ use crate::reference::{Plain, Random, mean_of};
 use crate::scenes::{Builder, cornell, lambert, principled};
 use crate::statistics::assert_z;
 use glam::Vec3;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, Scene};
 use rrf_trace::{
-    Estimator, Queries, Rays, Reflections, Sampling, Stream, SurfacePoint, Tracer, indirect,
-    indirect_with, lamp_light,
+    Estimator, Queries, Rays, Reflections, Sampling, SurfacePoint, Tracer, indirect, indirect_with,
+    lamp_light,
 };
 
 /// A room open to the front, of two metals, a glossy dielectric and Lambert walls, with a box
@@ -41,7 +42,7 @@ fn room(lamp: bool) -> Scene {
 /// walls.
 fn views(tracer: &Tracer, count: u64) -> (Vec<SurfacePoint>, Vec<Vec3>, Vec<Vec3>) {
     let eye = Vec3::new(0.2, 1.0, 2.5);
-    let stream = Stream::new(71, 0, 0);
+    let stream = Stream::new(71, Stage::Test, 0);
     let (mut points, mut viewers, mut lights) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0.. {
         if points.len() as u64 == count {
@@ -91,7 +92,7 @@ fn indirect_light_is_that_of_the_plain_tracer() {
     let plain = Plain { scene: &scene };
     let truth: Vec<(Vec3, Vec3)> = (0..points.len())
         .map(|q| {
-            let mut random = Random(1_000 + q as u64);
+            let mut random = Random::new(1_000 + q as u64);
             let point = &points[q];
             let (position, v) = (point.position.as_dvec3(), viewers[q].as_dvec3());
             let start = plain.place(point.triangle as usize, position, v);
@@ -101,7 +102,7 @@ fn indirect_light_is_that_of_the_plain_tracer() {
         })
         .collect();
     for estimator in [Estimator::Connected, Estimator::NextEvent] {
-        let stream = Stream::new(72, 0, 0);
+        let stream = Stream::new(72, Stage::Test, 0);
         let found = indirect_with(&tracer, queries, SAMPLING, estimator, stream, 0).unwrap();
         for (q, &(mean, error)) in truth.iter().enumerate() {
             let own = found.standard_error(q);
@@ -127,12 +128,12 @@ fn lamp_light_is_that_of_the_plain_tracer() {
     let (points, viewers, _) = views(&tracer, 8);
     let plain = Plain { scene: &scene };
     let light = |reflections, seed| {
-        let stream = Stream::new(seed, 0, 0);
+        let stream = Stream::new(seed, Stage::Test, 0);
         lamp_light(&tracer, &points, &viewers, reflections, SAMPLING, stream, 0).unwrap()
     };
     let (one, more) = (light(Reflections::One, 1), light(Reflections::More, 2));
     for (q, point) in points.iter().enumerate() {
-        let mut random = Random(2_000 + q as u64);
+        let mut random = Random::new(2_000 + q as u64);
         let (position, v) = (point.position.as_dvec3(), viewers[q].as_dvec3());
         let start = plain.place(point.triangle as usize, position, v);
         let (truth, error) = mean_of(100_000, || plain.lamps(start, &mut random));
@@ -165,7 +166,17 @@ fn standard_errors_are_honest() {
         viewers: &viewers,
         lights: &lights,
     };
-    let run = |seed| indirect(&tracer, queries, 2_048, 64, Stream::new(seed, 0, 0), 0).unwrap();
+    let run = |seed| {
+        indirect(
+            &tracer,
+            queries,
+            2_048,
+            64,
+            Stream::new(seed, Stage::Test, 0),
+            0,
+        )
+        .unwrap()
+    };
     let (a, b) = (run(1), run(2));
     let sum: f64 = (0..points.len())
         .map(|q| {
@@ -193,8 +204,16 @@ fn halves_are_independent() {
         viewers: &viewers,
         lights: &lights,
     };
-    let short = indirect(&tracer, queries, 128, 2, Stream::new(3, 0, 0), 0).unwrap();
-    let long = indirect(&tracer, queries, 16_384, 2, Stream::new(4, 0, 0), 0).unwrap();
+    let short = indirect(&tracer, queries, 128, 2, Stream::new(3, Stage::Test, 0), 0).unwrap();
+    let long = indirect(
+        &tracer,
+        queries,
+        16_384,
+        2,
+        Stream::new(4, Stage::Test, 0),
+        0,
+    )
+    .unwrap();
     let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
     for q in 0..points.len() {
         let truth = long.mean(q);
@@ -228,7 +247,7 @@ fn sealed_lights_do_not_leak() {
             viewers: &viewers,
             lights: &lights,
         };
-        let found = indirect(&tracer, queries, 256, 2, Stream::new(5, 0, 0), 0).unwrap();
+        let found = indirect(&tracer, queries, 256, 2, Stream::new(5, Stage::Test, 0), 0).unwrap();
         let lit = found.values.iter().filter(|v| **v != Vec3::ZERO).count();
         assert_eq!(lit, 0, "light at {light}");
     }

@@ -4,9 +4,10 @@ use crate::scenes::{Builder, lambert, principled};
 use crate::statistics::assert_z;
 use glam::Vec3;
 use rrf_materials::{Bsdf, ShadingFrame};
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, Material, Scene};
 use rrf_trace::{
-    Estimates, Queries, Reflections, Sampling, Stream, SurfacePoint, Tracer, indirect, lamp_light,
+    Estimates, Queries, Reflections, Sampling, SurfacePoint, Tracer, indirect, lamp_light,
 };
 
 const SAMPLING: Sampling = Sampling {
@@ -30,7 +31,7 @@ fn pooled(estimates: &Estimates) -> (Vec3, Vec3) {
 
 /// Points on the surface and viewers on the side `inward` of their normals.
 fn places(tracer: &Tracer, count: u64, side: f32) -> (Vec<SurfacePoint>, Vec<Vec3>) {
-    let stream = Stream::new(41, 0, 0);
+    let stream = Stream::new(41, Stage::Test, 0);
     (0..count)
         .map(|i| {
             let (u, w) = (stream.units(i, 0, 0), stream.units(i, 0, 1));
@@ -67,7 +68,7 @@ fn white_furnace() {
         let tracer = Tracer::new(&scene).unwrap();
         let (points, viewers) = places(&tracer, 20, 1.0);
         let light = |reflections, seed| {
-            let stream = Stream::new(seed, 0, 0);
+            let stream = Stream::new(seed, Stage::Test, 0);
             lamp_light(&tracer, &points, &viewers, reflections, SAMPLING, stream, 0).unwrap()
         };
         for (point, &v) in points.iter().zip(&viewers) {
@@ -112,7 +113,7 @@ fn glossy_furnace() {
         let tracer = Tracer::new(&scene).unwrap();
         let (points, viewers) = places(&tracer, 12, 1.0);
         let light = |reflections| {
-            let stream = Stream::new(3, 0, 0);
+            let stream = Stream::new(3, Stage::Test, 0);
             lamp_light(&tracer, &points, &viewers, reflections, SAMPLING, stream, 0).unwrap()
         };
         let (one, more) = (light(Reflections::One), light(Reflections::More));
@@ -162,7 +163,7 @@ fn sphere_in_a_constant_field() {
     let viewers: Vec<Vec3> = on_sphere.iter().map(|&i| viewers[i]).collect();
     assert!(points.len() > 20);
     let light = |reflections| {
-        let stream = Stream::new(4, 0, 0);
+        let stream = Stream::new(4, Stage::Test, 0);
         lamp_light(&tracer, &points, &viewers, reflections, SAMPLING, stream, 0).unwrap()
     };
     let (mean, error) = pooled(&light(Reflections::One));
@@ -185,7 +186,7 @@ fn point_light_in_a_sphere() {
     let scene = builder.scene;
     let tracer = Tracer::new(&scene).unwrap();
     let (points, viewers) = places(&tracer, 24, -1.0);
-    let stream = Stream::new(42, 0, 0);
+    let stream = Stream::new(42, Stage::Test, 0);
     let lights: Vec<Vec3> = (0..points.len() as u64)
         .map(|i| {
             // From the middle to a fiftieth of the radius off the wall.

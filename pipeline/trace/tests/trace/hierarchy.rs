@@ -2,8 +2,9 @@
 
 use crate::scenes::{Builder, cornell, lambert};
 use glam::{DVec3, Vec3};
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, Scene};
-use rrf_trace::{Hits, Rays, Stream, Tracer};
+use rrf_trace::{Hits, Rays, Tracer};
 
 /// What all triangles say about one ray.
 #[derive(Default)]
@@ -54,7 +55,7 @@ fn brute_force(scene: &Scene, origin: DVec3, direction: DVec3, margin: f64) -> T
 fn soup(count: u64, centre: Vec3, scale: f32) -> Scene {
     let mut builder = Builder::default();
     let material = builder.material(lambert(Vec3::ONE));
-    let stream = Stream::new(21, 0, count as u32);
+    let stream = Stream::new(21, Stage::Test, count as u32);
     for i in 0..count {
         let u: Vec<f32> = (0..4).flat_map(|b| stream.units(i, 0, b)).collect();
         let at = Vec3::new(u[0], u[1], u[2]) * 2.0 - 1.0;
@@ -73,7 +74,7 @@ fn soup(count: u64, centre: Vec3, scale: f32) -> Scene {
 
 /// Rays from the cube's surroundings into it, and from inside it.
 fn rays(count: u64, centre: Vec3, scale: f32) -> Rays {
-    let stream = Stream::new(22, 0, 0);
+    let stream = Stream::new(22, Stage::Test, 0);
     let mut rays = Rays::default();
     for i in 0..count {
         let (a, b) = (stream.units(i, 0, 0), stream.units(i, 0, 1));
@@ -207,7 +208,7 @@ fn closed_meshes_are_tight() {
     builder.sphere(Vec3::new(0.3, -0.2, 0.1), 1.0, 24, material, INVALID);
     let scene = builder.scene;
     let tracer = Tracer::new(&scene).unwrap();
-    let stream = Stream::new(23, 0, 0);
+    let stream = Stream::new(23, Stage::Test, 0);
     let mut rays = Rays::default();
     for i in 0..100_000u64 {
         let u = stream.units(i, 0, 0);
@@ -248,7 +249,7 @@ fn rays_do_not_meet_where_they_start() {
         let box_from = scene.triangles.len() as u32 - 12;
         let tracer = Tracer::new(&scene).unwrap();
         let (mut rays, mut starts) = (Rays::default(), Vec::new());
-        let stream = Stream::new(24, 0, 0);
+        let stream = Stream::new(24, Stage::Test, 0);
         for i in 0..40_000u64 {
             let (u, w) = (stream.units(i, 0, 0), stream.units(i, 0, 1));
             let point = tracer.sample_area([u[0], u[1], u[2]]);

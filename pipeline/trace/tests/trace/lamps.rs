@@ -3,8 +3,9 @@
 use crate::scenes::{Builder, lambert};
 use crate::statistics::assert_z;
 use glam::Vec3;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, Scene};
-use rrf_trace::{Reflections, Sampling, Stream, SurfacePoint, Tracer, lamp_light};
+use rrf_trace::{Reflections, Sampling, SurfacePoint, Tracer, lamp_light};
 
 const SAMPLING: Sampling = Sampling {
     paths: 65_536,
@@ -12,7 +13,7 @@ const SAMPLING: Sampling = Sampling {
 };
 
 fn direct(tracer: &Tracer, point: SurfacePoint, viewer: Vec3) -> (Vec3, Vec3) {
-    let stream = Stream::new(51, 0, 0);
+    let stream = Stream::new(51, Stage::Test, 0);
     let one = Reflections::One;
     let estimates = lamp_light(tracer, &[point], &[viewer], one, SAMPLING, stream, 0).unwrap();
     (estimates.mean(0), estimates.standard_error(0))

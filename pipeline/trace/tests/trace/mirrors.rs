@@ -5,8 +5,9 @@ use crate::scenes::{Builder, lambert, principled};
 use crate::statistics::assert_z;
 use glam::{DVec2, Vec3};
 use rrf_materials::Bsdf;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, Material};
-use rrf_trace::{Estimator, Queries, Sampling, Stream, Tracer, indirect_with};
+use rrf_trace::{Estimator, Queries, Sampling, Tracer, indirect_with};
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.3);
 /// Two metals side by side in the plane z = 0, |x| and |y| at most 1.
@@ -70,7 +71,7 @@ fn a_patch_sees_a_light_in_two_mirrors() {
             paths: 65_536,
             replicates: 64,
         };
-        let (stream, estimator) = (Stream::new(62, 0, 0), Estimator::Connected);
+        let (stream, estimator) = (Stream::new(62, Stage::Test, 0), Estimator::Connected);
         let found = indirect_with(&tracer, queries, sampling, estimator, stream, 0).unwrap();
         // the midpoint rule errs by a quarter at twice the points: a third of the difference is left
         let (coarse, truth) = (radiance(p, light, 1_000), radiance(p, light, 2_000));
@@ -120,7 +121,7 @@ fn later_vertices_weigh_what_mirrors_show() {
         replicates: 64,
     };
     let run = |estimator, seed| {
-        let stream = Stream::new(seed, 0, 0);
+        let stream = Stream::new(seed, Stage::Test, 0);
         indirect_with(&tracer, queries, sampling, estimator, stream, 0).unwrap()
     };
     let (with, without) = (run(Estimator::Connected, 81), run(Estimator::NextEvent, 82));

@@ -3,8 +3,9 @@
 use crate::scenes::{Builder, lambert};
 use crate::statistics::assert_z;
 use glam::Vec3;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::INVALID;
-use rrf_trace::{Estimator, Queries, Sampling, Stream, Tracer, indirect_with};
+use rrf_trace::{Estimator, Queries, Sampling, Tracer, indirect_with};
 
 /// The light at height g on the axis lights the plane z = 0 with I g / (g^2 + r^2)^(3/2); the plane
 /// (albedo b) sends the share b / pi of it to the patch (albedo a) at height h > g:
@@ -71,7 +72,7 @@ fn a_patch_sees_a_lit_plane() {
             paths: 65_536,
             replicates: 64,
         };
-        let stream = Stream::new(61, 0, 0);
+        let stream = Stream::new(61, Stage::Test, 0);
         let found = indirect_with(&tracer, queries, sampling, estimator, stream, 0).unwrap();
         let truth = (0..3)
             .map(|c| radiance(f64::from(a[c]), f64::from(b[c]), f64::from(g), f64::from(h)) as f32);

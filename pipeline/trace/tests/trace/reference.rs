@@ -4,21 +4,26 @@
 
 use glam::{DVec3, Vec3};
 use rrf_materials::Bsdf;
+use rrf_sampling::hash::hash;
 use rrf_scene::{INVALID, Scene};
 
 /// Chance of a path to go on after each reflection.
 const SURVIVAL: f64 = 0.7;
 
-/// SplitMix64 (Steele, Lea, Flood 2014).
-pub struct Random(pub u64);
+/// Numbers by a hash that the library's paths do not use.
+pub struct Random {
+    seed: u64,
+    drawn: u64,
+}
 
 impl Random {
+    pub fn new(seed: u64) -> Random {
+        Random { seed, drawn: 0 }
+    }
+
     pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        self.drawn += 1;
+        (hash(self.seed, self.drawn) >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 

@@ -2,8 +2,9 @@
 
 use crate::scenes::{Builder, lambert};
 use glam::Vec3;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, Scene};
-use rrf_trace::{Queries, Rays, Stream, TraceError, Tracer, indirect};
+use rrf_trace::{Queries, Rays, TraceError, Tracer, indirect};
 
 fn scene() -> Scene {
     let mut builder = Builder::default();
@@ -80,7 +81,7 @@ fn broken_questions() {
         viewers: &[Vec3::Z],
         lights: &[],
     };
-    let stream = Stream::new(1, 0, 0);
+    let stream = Stream::new(1, Stage::Test, 0);
     let error = indirect(&tracer, queries, 2, 2, stream, 0).unwrap_err();
     assert!(
         matches!(
@@ -126,7 +127,7 @@ fn senseless_numbers() {
             viewers: &[bad, Vec3::Z],
             lights: &[Vec3::Z, bad],
         };
-        assert!(indirect(&tracer, queries, 8, 2, Stream::new(1, 0, 0), 0).is_ok());
+        assert!(indirect(&tracer, queries, 8, 2, Stream::new(1, Stage::Test, 0), 0).is_ok());
     }
     assert_eq!(rays.len(), 3);
     // A light on the surface, at the very point.
@@ -136,6 +137,6 @@ fn senseless_numbers() {
         viewers: &[Vec3::Z],
         lights: &[point.position],
     };
-    let found = indirect(&tracer, queries, 64, 2, Stream::new(1, 0, 0), 0).unwrap();
+    let found = indirect(&tracer, queries, 64, 2, Stream::new(1, Stage::Test, 0), 0).unwrap();
     assert!(found.mean(0).is_finite());
 }

@@ -4,8 +4,9 @@ use crate::chi_square::assert_chi_square;
 use crate::scenes::{Builder, cornell, lambert};
 use glam::{Vec2, Vec3};
 use rrf_materials::ShadingFrame;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, Material, Texture};
-use rrf_trace::{Stream, Tracer};
+use rrf_trace::Tracer;
 
 #[test]
 fn area_samples_are_uniform() {
@@ -13,7 +14,7 @@ fn area_samples_are_uniform() {
     let tracer = Tracer::new(&scene).unwrap();
     const DRAWS: u64 = 400_000;
     const SPLIT: usize = 4;
-    let stream = Stream::new(31, 0, 0);
+    let stream = Stream::new(31, Stage::Test, 0);
     let mut counts = vec![0.0; scene.triangles.len() * SPLIT];
     for i in 0..DRAWS {
         let u = stream.units(i, 0, 0);
@@ -42,7 +43,7 @@ fn area_samples_are_uniform() {
 fn located_points_are_the_sampled_ones() {
     let scene = cornell();
     let tracer = Tracer::new(&scene).unwrap();
-    let stream = Stream::new(32, 0, 0);
+    let stream = Stream::new(32, Stage::Test, 0);
     for i in 0..20_000 {
         let u = stream.units(i, 0, 0);
         let point = tracer.sample_area([u[0], u[1], u[2]]);
@@ -84,7 +85,7 @@ fn coincident_faces_are_told_apart_by_their_normal() {
 
 #[test]
 fn frames_are_orthonormal_and_right_handed() {
-    let stream = Stream::new(33, 0, 0);
+    let stream = Stream::new(33, Stage::Test, 0);
     let random = (0..10_000).map(|i| {
         let u = stream.units(i, 0, 0);
         Vec3::new(u[0] - 0.5, u[1] - 0.5, u[2] - 0.5).normalize()
@@ -112,7 +113,7 @@ fn shading_normals_face_the_viewer() {
     builder.sphere(centre, 2.0, 32, material, INVALID);
     let scene = builder.scene;
     let tracer = Tracer::new(&scene).unwrap();
-    let stream = Stream::new(34, 0, 0);
+    let stream = Stream::new(34, Stage::Test, 0);
     for i in 0..10_000 {
         let (u, w) = (stream.units(i, 0, 0), stream.units(i, 0, 1));
         let point = tracer.sample_area([u[0], u[1], u[2]]);

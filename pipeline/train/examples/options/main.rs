@@ -12,7 +12,7 @@
 mod sets;
 
 use rrf_field::columns::{COUNT, Columns};
-use rrf_field::rng::{Stage, Stream};
+use rrf_sampling::{Stage, Stream};
 use rrf_train::{CellFit, TrainConfig, fit_cell};
 use std::error::Error;
 use std::path::Path;

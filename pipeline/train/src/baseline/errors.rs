@@ -1,11 +1,11 @@
 //! The error of what is stored, free of Monte Carlo noise: by the evaluation that frames use.
 
 use crate::cell::Cell;
-use crate::halves::{self, ErrorEstimate};
-use crate::rows::units::channel_mean;
 use rrf_field::Field;
 use rrf_field::model::CellModel;
 use rrf_field::tree::Tree;
+use rrf_metrics::estimate::{ErrorEstimate, by_halves};
+use rrf_metrics::relative::{channel_mean, inverse_level};
 use std::ops::Range;
 
 /// Squared relative error on the rows that choose: those held out, or those trained on where there
@@ -53,9 +53,9 @@ fn error(cell: &Cell, model: &CellModel, rows: Range<usize>, share: f64) -> Erro
         for (i, row) in rows.enumerate() {
             let p: [f64; 3] = std::array::from_fn(|c| f64::from(out[c][i]));
             let [target, found] = [chunk.mean(row), p].map(channel_mean);
-            let mean = share * target + (1.0 - share) * found;
+            let level = share * target + (1.0 - share) * found;
             let [y1, y2] = [0, 1].map(|half| chunk.halves[half][row]);
-            values.push(halves::product(p, y1, y2, 1.0 / mean.max(cell.floor)));
+            values.push(by_halves(p, y1, y2, inverse_level(level, cell.floor)));
         }
     });
     if fine {

@@ -12,10 +12,11 @@ use crate::rows::CellRows;
 use crate::rows::chunk::Chunk;
 use crate::rows::order::{Order, OrderedRows, Uses};
 use crate::rows::samples::Samples;
-use crate::rows::units::{Input, Units, channel_mean};
+use crate::rows::units::{Input, Units};
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
-use rrf_field::rng::{Stage, Stream};
+use rrf_metrics::relative::{channel_mean, epsilon};
+use rrf_sampling::{Stage, Stream};
 use scaling::Noise;
 
 /// Rows split, scaled and ready for nets of any shape.
@@ -71,7 +72,7 @@ impl<'a> Preparation<'a> {
             id,
             config,
             earlier,
-            stream: Stream::new(config.seed, Stage::Train, id),
+            stream: Stream::in_counter(config.seed, Stage::Train, id),
             inputs,
             dropped,
         })
@@ -193,10 +194,5 @@ fn floor(raw: &OrderedRows, rows: usize, config: &TrainConfig) -> f64 {
         sum / rows.max(1) as f64
     };
     let mean = config.mean_radiance.map_or_else(own, f64::from);
-    // Black cells: any positive number, the errors are then absolute.
-    if mean > 0.0 {
-        config.epsilon * mean
-    } else {
-        1.0
-    }
+    epsilon(config.epsilon, mean)
 }

@@ -2,7 +2,8 @@
 
 use crate::net::tile::CHANNELS;
 use crate::rows::order::OrderedRows;
-use crate::rows::units::{OutputScale, channel_mean};
+use crate::rows::units::OutputScale;
+use rrf_metrics::channel_mean;
 use std::ops::Range;
 
 /// Mean and standard deviation of the targets over some rows, each row weighted by

@@ -1,5 +1,5 @@
 use super::*;
-use rrf_field::rng::{Stage, Stream};
+use rrf_sampling::{Stage, Stream};
 
 fn rows(n: usize) -> Columns {
     let stream = Stream::new(4, Stage::Test, 0);

@@ -2,13 +2,13 @@
 
 use crate::baseline;
 use crate::cell::Cell;
-use crate::halves::{self, ErrorEstimate};
 use crate::net::problem::NetProblem;
 use crate::net::tile::CHANNELS;
-use crate::rows::units::channel_mean;
 use crate::rows::{CellRows, Part};
 use rrf_field::model::CellModel;
 use rrf_field::net::Shape;
+use rrf_metrics::estimate::{ErrorEstimate, by_halves};
+use rrf_metrics::relative::{channel_mean, inverse_level};
 use std::ops::Range;
 
 /// Squared relative errors of what is stored, on the rows trained on and on those held out.
@@ -69,8 +69,8 @@ impl<'a> Evaluator<'a> {
         let range = first..first + most.min(rows.len());
         let mut divisor = Vec::with_capacity(range.len());
         cell.raw.each(range.clone(), |chunk, rows| {
-            let means = rows.map(|row| channel_mean(chunk.mean(row)));
-            divisor.extend(means.map(|l| 1.0 / l.max(cell.floor)));
+            let levels = rows.map(|row| channel_mean(chunk.mean(row)));
+            divisor.extend(levels.map(|level| inverse_level(level, cell.floor)));
         });
         let residuals = range.len() * CHANNELS;
         Evaluator {
@@ -88,7 +88,7 @@ impl<'a> Evaluator<'a> {
         let (divisor, floor) = (&mut self.divisor, self.cell.floor);
         self.problem.each_tile(w, |first, tile| {
             for (d, l) in divisor[first..].iter_mut().zip(tile.channel_mean(share)) {
-                *d = 1.0 / l.max(floor);
+                *d = inverse_level(l, floor);
             }
         });
     }
@@ -107,7 +107,7 @@ impl<'a> Evaluator<'a> {
                         base[c] * (f64::from(offset) + f64::from(scale) * tile.out[c][i])
                     });
                     let [y1, y2] = [0, 1].map(|half| chunk.halves[half][at + i]);
-                    values.push(halves::product(p, y1, y2, divisor[first + i]));
+                    values.push(by_halves(p, y1, y2, divisor[first + i]));
                 }
             });
         });

@@ -5,7 +5,7 @@
 //! slopes, and the fit ends as it began. The logarithm has no such plateau.
 
 use crate::net::tile::{Batch, CHANNELS, Rows};
-use crate::rows::units::channel_mean;
+use rrf_metrics::channel_mean;
 
 /// Rows whose targets are log(radiance + ε) in the net's units.
 ///

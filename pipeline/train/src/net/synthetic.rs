@@ -3,7 +3,7 @@
 use crate::net::simd::TILE;
 use crate::net::tile::{Batch, CHANNELS, Rows};
 use rrf_field::net::Shape;
-use rrf_field::rng::{Stage, Stream};
+use rrf_sampling::{Stage, Stream};
 
 /// Random numbers in [−1, 1).
 pub fn uniform(seed: u64, index: u64, dimension: u32) -> f64 {

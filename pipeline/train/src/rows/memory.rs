@@ -1,10 +1,11 @@
 //! Rows in memory, in a net's units.
 
 use super::chunk::Chunk;
-use super::units::{Input, Units, channel_mean};
+use super::units::{Input, Units};
 use crate::net::simd::TILE;
 use crate::net::tile::{Batch, CHANNELS, Rows};
 use rrf_field::inputs;
+use rrf_metrics::channel_mean;
 use std::ops::Range;
 
 /// Rows in memory, in a net's units.

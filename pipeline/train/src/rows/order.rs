@@ -4,7 +4,7 @@
 use super::chunk::Chunk;
 use super::samples::{Samples, unusable};
 use super::scratch::{Scratch, WINDOW};
-use rrf_field::rng::Stream;
+use rrf_sampling::Stream;
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -81,7 +81,7 @@ impl Order {
                 self.quarantined.push(row);
                 continue;
             }
-            let key = |s: &Stream| s.block(ORDER | u64::from(row), 0)[0];
+            let key = |s: &Stream| s.block(ORDER | u64::from(row), 0, 0)[0];
             let key = self.shuffle.as_ref().map_or(0, key);
             self.used[usize::from(*held_out)].push((key, row));
         }

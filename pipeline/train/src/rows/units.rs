@@ -34,8 +34,3 @@ pub struct Units {
     /// Targets are divided by the base colour.
     pub divide_base: bool,
 }
-
-/// Mean of the channels.
-pub fn channel_mean(y: [f64; CHANNELS]) -> f64 {
-    y.iter().sum::<f64>() / CHANNELS as f64
-}

@@ -4,7 +4,7 @@ use rrf_field::columns::{self, Columns};
 use rrf_field::inputs;
 use rrf_field::model::CellModel;
 use rrf_field::net;
-use rrf_field::rng::{Stage, Stream};
+use rrf_sampling::{Stage, Stream};
 use rrf_train::{CellFit, TrainConfig, fit_cell};
 
 /// The columns that vary, all uniform in [−1, 1).

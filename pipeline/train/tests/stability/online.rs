@@ -4,7 +4,7 @@
 //! what the last one taught. The recursive mode remembers.
 
 use crate::cells::{self, Cell, Row, smooth};
-use rrf_field::rng::{Stage, Stream};
+use rrf_sampling::{Stage, Stream};
 use rrf_train::{Batches, Schedule, TrainConfig};
 
 const LIGHTS: usize = 24;

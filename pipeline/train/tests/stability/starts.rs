@@ -1,8 +1,8 @@
 //! Weights that start where gradients vanish, and damping at its end.
 
 use rrf_field::net::{self, Shape};
-use rrf_field::rng::{Stage, Stream};
 use rrf_lm::{LmConfig, Minimum, NormalEquations, Problem, Scaling, Solver, Termination, minimise};
+use rrf_sampling::{Stage, Stream};
 use rrf_train::net::problem::{Loss, NetProblem};
 use rrf_train::net::simd::TILE;
 use rrf_train::net::tile::{Batch, Rows};

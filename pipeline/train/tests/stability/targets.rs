@@ -91,7 +91,7 @@ fn targets_at_the_ends_of_f32() {
 /// to nothing for the lit rows, and a net of exponents that starts from it stays there: an error of 1.
 #[test]
 fn lit_rows_are_learned_beside_black_ones() {
-    let stream = rrf_field::rng::Stream::new(9, rrf_field::rng::Stage::Test, 0);
+    let stream = rrf_sampling::Stream::new(9, rrf_sampling::Stage::Test, 0);
     let rows: Vec<cells::Row> = (0..3000)
         .map(|i| {
             let mut row = std::array::from_fn(|d| 2.0 * stream.f64(i, d as u32) - 1.0);

@@ -5,7 +5,7 @@ use crate::regress::Plan;
 use crate::table::Row;
 use glam::Vec3;
 use ndarray::{Array1, Array2, s};
-use rrf_trace::Stream;
+use rrf_sampling::{Stage, Stream};
 use rrf_transfer::{CellBasis, Entry};
 
 /// A cell: its directions and two nets, of the base part and of the constant one.
@@ -137,7 +137,7 @@ fn inputs(row: &Row, part: usize) -> Vec<f64> {
 /// Rows in an order that has nothing to do with where they lie.
 fn shuffled(samples: Samples) -> Samples {
     let n = samples.inputs.nrows();
-    let stream = Stream::new(9, 907, 0);
+    let stream = Stream::new(9, Stage::Test, 907);
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by_key(|&i| stream.block(i as u64, 0, 0)[0]);
     let pick = |m: &Array2<f64>| Array2::from_shape_fn(m.dim(), |(i, j)| m[[order[i], j]]);

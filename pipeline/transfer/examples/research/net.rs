@@ -14,7 +14,7 @@
 
 use ndarray::{Array1, Array2, Axis, s};
 use ndarray_linalg::{FactorizeC, SolveC, UPLO};
-use rrf_trace::Stream;
+use rrf_sampling::Stream;
 
 /// Inputs are scaled to zero mean and unit deviation.
 pub struct Net {

@@ -4,8 +4,9 @@ use crate::clock::cpu;
 use crate::mirror::Mirrored;
 use crate::truth::Truth;
 use glam::Vec3;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
-use rrf_trace::{Stream, Tracer};
+use rrf_trace::Tracer;
 use rrf_transfer::{PatchConfig, Patches, Receivers, RowConfig, trace_rows};
 
 /// One line for each number of patches and paths.
@@ -23,7 +24,7 @@ pub fn run(scene: &Scene, tracer: &Tracer, truth: &Truth, settings: &[(usize, u3
             paths,
             ..RowConfig::default()
         };
-        let stream = Stream::new(5, 904, 0);
+        let stream = Stream::new(5, Stage::Test, 904);
         let rows = trace_rows(tracer, &patches, &truth.points, &row_config, stream, 0);
         let rows = rows.expect("rows");
         let traced = cpu();

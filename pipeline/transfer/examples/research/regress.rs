@@ -12,8 +12,9 @@ use crate::truth::Truth;
 use glam::Vec3;
 use ndarray::Array2;
 use rayon::prelude::*;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
-use rrf_trace::{Stream, Tracer};
+use rrf_trace::Tracer;
 use rrf_transfer::{
     Basis, Ensemble, Entry, PatchConfig, Patches, Receivers, RowConfig, RowPoint, Rows, trace_rows,
 };
@@ -75,7 +76,7 @@ impl<'a> Bench<'a> {
             ..PatchConfig::default()
         };
         let patches = Patches::new(scene, &config, &|_: Vec3| 1.0).expect("patches");
-        let stream = Stream::new(6, 905, 0);
+        let stream = Stream::new(6, Stage::Test, 905);
         let points = draw(tracer, &patches, places, plan, stream);
         let config = RowConfig {
             paths: plan.paths,
@@ -216,7 +217,7 @@ impl<'a> Bench<'a> {
     fn nets(&self) {
         let plan = self.plan;
         let start = cpu();
-        let stream = Stream::new(8, 906, 0);
+        let stream = Stream::new(8, Stage::Test, 906);
         let colours: Vec<Vec3> = self.table.rows.iter().map(|r| r.colour).collect();
         let some = self.rows.some(3_000);
         let few: Vec<Vec3> = some.1.iter().map(|&r| colours[r]).collect();

@@ -1,8 +1,9 @@
 //! Scenes, and the points and lights that errors are measured at.
 
 use glam::Vec3;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, LoadOptions, Scene, load};
-use rrf_trace::{Hits, Rays, Stream, SurfacePoint, Tracer};
+use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 use rrf_transfer::RowPoint;
 
 /// What is measured on.
@@ -79,7 +80,7 @@ impl<'a> Places<'a> {
             tracer,
             free: vec![start],
         };
-        let stream = Stream::new(17, 900, 0);
+        let stream = Stream::new(17, Stage::Test, 900);
         for i in 0..20_000 {
             let at = within(setup.eyes, stream, i);
             if places.is_free(at) && places.free.len() < 96 {
@@ -102,7 +103,7 @@ impl<'a> Places<'a> {
 
     /// Lights in free space.
     pub fn lights(&self, count: usize, seed: u64) -> Vec<Vec3> {
-        let stream = Stream::new(seed, 901, 0);
+        let stream = Stream::new(seed, Stage::Test, 901);
         let near = |at: Vec3| self.tracer.distance(at, self.setup.clearance).is_some();
         (0u64..)
             .map(|i| within(self.setup.lights, stream, i))
@@ -113,7 +114,7 @@ impl<'a> Places<'a> {
 
     /// Surface points and viewers.
     pub fn points(&self, count: usize, seed: u64) -> Vec<RowPoint> {
-        let stream = Stream::new(seed, 902, 0);
+        let stream = Stream::new(seed, Stage::Test, 902);
         (0u64..)
             .filter_map(|i| self.point(stream, i))
             .take(count)

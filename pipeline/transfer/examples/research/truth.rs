@@ -1,7 +1,8 @@
 //! Indirect light by the path tracer that knows the lights, and errors against it.
 
 use glam::Vec3;
-use rrf_trace::{Queries, Stream, Tracer, indirect};
+use rrf_sampling::{Stage, Stream};
+use rrf_trace::{Queries, Tracer, indirect};
 use rrf_transfer::RowPoint;
 use std::path::Path;
 
@@ -34,7 +35,7 @@ impl Truth {
                 viewers: &columns.iter().map(|c| c.1).collect::<Vec<_>>(),
                 lights: &columns.iter().map(|c| c.2).collect::<Vec<_>>(),
             };
-            let stream = Stream::new(3, 903, 0);
+            let stream = Stream::new(3, Stage::Test, 903);
             let found = indirect(tracer, queries, paths, 2, stream, 0).expect("paths");
             let halves = [0, 1].map(|h| (0..count).map(|q| found.halves(q)[h]).collect());
             write(file, &halves);

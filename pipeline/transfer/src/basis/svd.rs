@@ -101,7 +101,7 @@ mod tests {
     /// orthonormal vectors, and the best approximation of that rank.
     #[test]
     fn finds_the_leading_part() {
-        let stream = Stream::new(3, 0, 0);
+        let stream = Stream::new(3, rrf_sampling::Stage::Test, 0);
         let draw = |rows, columns, part| {
             let stream = stream.part(part);
             let m = Array2::from_shape_fn((rows, columns), |(i, j)| normal(stream, i, j));

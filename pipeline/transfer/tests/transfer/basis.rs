@@ -2,7 +2,8 @@
 
 use crate::scenes::{MIDDLE, cornell, points};
 use glam::Vec3;
-use rrf_trace::{Stream, Tracer};
+use rrf_sampling::{Stage, Stream};
+use rrf_trace::Tracer;
 use rrf_transfer::{
     Basis, CellBasis, Ensemble, PatchConfig, Patches, PointSource, Receivers, RowConfig, trace_rows,
 };
@@ -11,7 +12,7 @@ const EVEN: fn(Vec3) -> f32 = |_| 1.0;
 
 /// Lights spread over the upper half of the room.
 fn lights(count: u64, seed: u64) -> Vec<Vec3> {
-    let stream = Stream::new(seed, 0, 0);
+    let stream = Stream::new(seed, Stage::Test, 0);
     (0..count)
         .map(|i| {
             let u = stream.units(i, 0, 0);
@@ -32,7 +33,7 @@ fn projections_approach_the_rows() {
     };
     let patches = Patches::new(&scene, &config, &EVEN).unwrap();
     let points = points(&tracer, MIDDLE, 150, 6);
-    let stream = Stream::new(9, 0, 0);
+    let stream = Stream::new(9, Stage::Test, 0);
     let config = RowConfig {
         paths: 256,
         ..RowConfig::default()
@@ -106,7 +107,7 @@ fn projections_approach_the_rows() {
 /// A cell takes as few directions as its target asks for.
 #[test]
 fn cells_take_the_directions_that_they_need() {
-    let stream = Stream::new(5, 0, 0);
+    let stream = Stream::new(5, Stage::Test, 0);
     let draw = |part: u32, shape: (usize, usize)| {
         let stream = stream.part(part);
         ndarray::Array2::from_shape_fn(shape, |(i, j)| {

@@ -2,7 +2,8 @@
 
 use crate::scenes::{cornell, room};
 use glam::Vec3;
-use rrf_trace::{Stream, Tracer};
+use rrf_sampling::{Stage, Stream};
+use rrf_trace::Tracer;
 use rrf_transfer::{
     Arrival, DistantSource, PatchConfig, Patches, PointSource, Receiver, Receivers,
 };
@@ -23,7 +24,7 @@ fn a_room_takes_in_what_its_light_sends_out() {
     let scene = room(Vec3::ZERO, Vec3::new(3.0, 2.0, 4.0), Vec3::ONE);
     let tracer = Tracer::new(&scene).unwrap();
     let patches = Patches::new(&scene, &config(2_000), &EVEN).unwrap();
-    let receivers = Receivers::new(&tracer, &patches, 8, None, Stream::new(1, 0, 0));
+    let receivers = Receivers::new(&tracer, &patches, 8, None, Stream::new(1, Stage::Test, 0));
     for position in [Vec3::new(1.5, 1.0, 2.0), Vec3::new(0.4, 1.7, 3.2)] {
         let light = PointSource {
             position,
@@ -53,7 +54,7 @@ fn shadows_and_cosines() {
     let scene = cornell();
     let tracer = Tracer::new(&scene).unwrap();
     let patches = Patches::new(&scene, &config(4_000), &EVEN).unwrap();
-    let receivers = Receivers::new(&tracer, &patches, 4, None, Stream::new(1, 0, 0));
+    let receivers = Receivers::new(&tracer, &patches, 4, None, Stream::new(1, Stage::Test, 0));
     let position = Vec3::new(0.0, 1.9, 0.0);
     let intensity = Vec3::ONE;
     let irradiance = receivers.irradiance(&PointSource {
@@ -86,7 +87,7 @@ fn other_lights_and_columns_in_use() {
     let scene = cornell();
     let tracer = Tracer::new(&scene).unwrap();
     let patches = Patches::new(&scene, &config(500), &EVEN).unwrap();
-    let stream = Stream::new(1, 0, 0);
+    let stream = Stream::new(1, Stage::Test, 0);
     let all = Receivers::new(&tracer, &patches, 4, None, stream);
     assert_eq!(all.sides(), 2 * patches.len());
     // through the open front, straight at the back wall

@@ -2,8 +2,9 @@
 
 use crate::scenes::{cornell, file};
 use glam::Vec3;
-use rrf_trace::sobol::Table;
-use rrf_trace::{Stream, Tracer};
+use rrf_sampling::sobol::Table;
+use rrf_sampling::{Stage, Stream};
+use rrf_trace::Tracer;
 use rrf_transfer::{PatchConfig, Patches};
 
 const EVEN: fn(Vec3) -> f32 = |_| 1.0;
@@ -40,7 +41,7 @@ fn patches_cover_the_surface_once() {
             let table = Table::new(4);
             let mut lost = 0;
             for patch in 0..patches.len() as u32 {
-                for point in patches.points(patch, 4, Stream::new(1, 0, 0), &table) {
+                for point in patches.points(patch, 4, Stream::new(1, Stage::Test, 0), &table) {
                     let point = tracer.point(point.triangle, point.barycentrics);
                     lost += usize::from(patches.patch(&point) != Some(patch));
                 }
@@ -59,7 +60,7 @@ fn points_fall_into_patches_by_their_area() {
     let tracer = Tracer::new(&scene).unwrap();
     let patches = Patches::new(&scene, &config(600), &EVEN).unwrap();
     let mut counts = vec![0.0f64; patches.len()];
-    let stream = Stream::new(5, 0, 0);
+    let stream = Stream::new(5, Stage::Test, 0);
     let n = 100_000;
     for i in 0..n {
         let u = stream.units(i, 0, 0);
@@ -114,7 +115,7 @@ fn columns_tell_sides_and_directions_apart() {
     let last = patches.len() as u32 - 1;
     let ends = patches.first_column(last, true) + patches.directions(last).pow(2);
     assert_eq!(ends as usize, patches.columns());
-    let stream = Stream::new(7, 0, 0);
+    let stream = Stream::new(7, Stage::Test, 0);
     for back in [false, true] {
         let n = patches.normal[glossy as usize] * if back { -1.0 } else { 1.0 };
         let frame = rrf_materials::ShadingFrame::new(n);

@@ -2,8 +2,9 @@
 
 use crate::scenes::{MIDDLE, cornell, file, points, room};
 use glam::Vec3;
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
-use rrf_trace::{Queries, Stream, Tracer, indirect};
+use rrf_trace::{Queries, Tracer, indirect};
 use rrf_transfer::{
     PatchConfig, Patches, PointSource, Receivers, RowConfig, RowPoint, Rows, trace_rows,
 };
@@ -23,7 +24,15 @@ fn a_furnace_gives_the_geometric_series() {
         paths: 2_048,
         ..RowConfig::default()
     };
-    let rows = trace_rows(&tracer, &patches, &points, &config, Stream::new(2, 0, 0), 0).unwrap();
+    let rows = trace_rows(
+        &tracer,
+        &patches,
+        &points,
+        &config,
+        Stream::new(2, Stage::Test, 0),
+        0,
+    )
+    .unwrap();
     let ones = vec![Vec3::ONE; patches.columns()];
     let expected = albedo * albedo / (Vec3::ONE - albedo) / std::f32::consts::PI;
     let halves: Vec<Vec3> = (0..rows.len())
@@ -69,7 +78,7 @@ fn compare(scene: &Scene, config: &PatchConfig, lights: &[Vec3], seed: u64) -> V
         paths: 512,
         ..RowConfig::default()
     };
-    let stream = Stream::new(seed, 1, 0);
+    let stream = Stream::new(seed, Stage::Extract, 0);
     let rows = trace_rows(&tracer, &patches, &repeated, &config, stream, 0).unwrap();
     let used = rows.used();
     let receivers = Receivers::new(&tracer, &patches, 16, Some(&used), stream.part(1));
@@ -81,7 +90,15 @@ fn compare(scene: &Scene, config: &PatchConfig, lights: &[Vec3], seed: u64) -> V
         viewers: &columns.iter().map(|c| c.1).collect::<Vec<_>>(),
         lights: &columns.iter().map(|c| c.2).collect::<Vec<_>>(),
     };
-    let truth = indirect(&tracer, queries, 8_192, 32, Stream::new(seed, 2, 0), 0).unwrap();
+    let truth = indirect(
+        &tracer,
+        queries,
+        8_192,
+        32,
+        Stream::new(seed, Stage::Points, 0),
+        0,
+    )
+    .unwrap();
     let irradiances: Vec<Vec<Vec3>> = (lights.iter())
         .map(|&position| {
             let intensity = Vec3::ONE;
@@ -176,7 +193,7 @@ fn rows_are_functions_of_their_index() {
     let tracer = Tracer::new(&scene).unwrap();
     let patches = Patches::new(&scene, &PatchConfig::default(), &EVEN).unwrap();
     let points = points(&tracer, MIDDLE, 20, 5);
-    let stream = Stream::new(4, 0, 0);
+    let stream = Stream::new(4, Stage::Test, 0);
     let config = RowConfig {
         paths: 64,
         ..RowConfig::default()

@@ -1,8 +1,9 @@
 //! Scenes and points for the tests.
 
 use glam::{Vec2, Vec3};
+use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, LoadOptions, Material, Scene, load};
-use rrf_trace::{Stream, SurfacePoint, Tracer};
+use rrf_trace::{SurfacePoint, Tracer};
 use rrf_transfer::RowPoint;
 
 /// A scene of the repository without its lamp.
@@ -54,7 +55,7 @@ pub const MIDDLE: Vec3 = Vec3::new(0.0, 1.0, 0.0);
 
 /// Points of the surface that look into the room, uniform by area, and viewers near its middle.
 pub fn points(tracer: &Tracer, middle: Vec3, count: usize, seed: u64) -> Vec<RowPoint> {
-    let stream = Stream::new(seed, 0, 0);
+    let stream = Stream::new(seed, Stage::Test, 0);
     let mut found = Vec::new();
     for i in 0.. {
         if found.len() == count {

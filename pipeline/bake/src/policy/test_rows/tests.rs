@@ -1,6 +1,6 @@
 use super::*;
 use crate::policy::first::one_cell;
-use rrf_field::rng::{Stage, Stream};
+use rrf_sampling::{Stage, Stream};
 
 /// A sixteenth of the paths of the samples, at least a few rows, in draws that threads can share.
 #[test]

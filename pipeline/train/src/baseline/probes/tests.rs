@@ -5,8 +5,8 @@ use crate::config::TrainConfig;
 use crate::rows::samples::Samples;
 use rrf_field::columns::{BASE, COUNT, Columns};
 use rrf_field::model::Kind;
-use rrf_field::rng::{Stage, Stream};
 use rrf_lm::Cholesky;
+use rrf_sampling::{Stage, Stream};
 
 const SMALL: Grid = Grid {
     places: 2,
@@ -20,7 +20,7 @@ const TO_THE_END: Effort = Effort {
 
 /// Rows in a box of place and light, any normal, some base colours.
 fn rows(count: usize) -> Columns {
-    let mut random = Stream::new(9, Stage::Test, 0).walk(0);
+    let mut random = Stream::new(9, Stage::Test, 0).dimensions(0);
     let mut number = || 2.0 * random.next_f32() - 1.0;
     let mut rows = Columns::default();
     for _ in 0..count {

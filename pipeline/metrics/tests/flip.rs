@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use glam::DVec3;
-use rrf_render::flip::{PIXELS_PER_DEGREE, flip};
-use rrf_render::tone::srgb_decode;
+use rrf_metrics::flip::{PIXELS_PER_DEGREE, flip};
+use rrf_metrics::tone::srgb_decode;
 
 fn linear(png: &[u8]) -> (Vec<DVec3>, usize) {
     let picture = image::load_from_memory(png).unwrap().to_rgb8();

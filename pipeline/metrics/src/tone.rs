@@ -1,6 +1,7 @@
 //! From linear radiance to what a screen shows: exposure, clip, sRGB.
 
-use crate::frame::{Picture, luminance};
+use crate::color::luminance;
+use crate::picture::Picture;
 use glam::Vec3;
 
 /// Exposure in stops: radiance is multiplied by 2^`ev`, then clipped to [0, 1].
