@@ -4,7 +4,7 @@
 //! over them. The points never change, so that a light which moves a little changes the
 //! irradiance a little, and what stands still stays the same to the bit.
 
-use crate::lights::{Arrival, DirectLight, Receiver};
+use crate::lights::{DirectLight, IncidentLight, Receiver};
 use crate::patches::Patches;
 use crate::tracing::{Rays, Stream, Table, Tracer};
 use glam::Vec3;
@@ -95,7 +95,7 @@ impl<'a> Receivers<'a> {
         for side in sides {
             for (k, (point, &triangle)) in side.points.iter().zip(&side.triangles).enumerate() {
                 let sample = u64::from(side.patch) * u64::from(self.count) + k as u64;
-                light.arrivals(point, sample, &mut |arrival: Arrival| {
+                light.arrivals(point, sample, &mut |arrival: IncidentLight| {
                     let l = arrival.direction;
                     let cosine = point.shading.dot(l);
                     if cosine <= 0.0 || point.geometric.dot(l) <= 0.0 {

@@ -17,6 +17,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod basis;
+mod entry;
 mod error;
 mod irradiance;
 mod lights;
@@ -25,9 +26,10 @@ mod rows;
 mod tracing;
 mod walk;
 
-pub use basis::{Basis, CellBasis, Ensemble, Weights, radiances};
+pub use basis::{Basis, CellBasis, Ensemble, RelativeWeights, radiances};
+pub use entry::Entry;
 pub use error::TransferError;
 pub use irradiance::Receivers;
-pub use lights::{Arrival, DirectLight, DistantSource, PointSource, Receiver};
+pub use lights::{DirectLight, DistantSource, IncidentLight, PointSource, Receiver};
 pub use patches::{PatchConfig, PatchPoint, Patches, SizeField};
-pub use rows::{Entry, RowConfig, RowPoint, Rows, trace_rows};
+pub use rows::{RowConfig, RowPoint, TransferRows, trace_rows};

@@ -15,7 +15,7 @@ pub struct Receiver {
 
 /// Light that arrives at a point from one direction if nothing lies in its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arrival {
+pub struct IncidentLight {
     /// Unit direction to where it comes from, world frame.
     pub direction: Vec3,
     /// How far that is, metres; infinite for the sun and the sky.
@@ -29,7 +29,7 @@ pub trait DirectLight: Sync {
     /// The light that arrives at a point, nothing in its way, handed to `arrive` one direction at
     /// a time. `sample` names the point: a light that has to choose directions or places chooses
     /// by it, never by anything that changes from frame to frame.
-    fn arrivals(&self, at: &Receiver, sample: u64, arrive: &mut dyn FnMut(Arrival));
+    fn arrivals(&self, at: &Receiver, sample: u64, arrive: &mut dyn FnMut(IncidentLight));
 }
 
 /// An isotropic point light.
@@ -42,11 +42,11 @@ pub struct PointSource {
 }
 
 impl DirectLight for PointSource {
-    fn arrivals(&self, at: &Receiver, _: u64, arrive: &mut dyn FnMut(Arrival)) {
+    fn arrivals(&self, at: &Receiver, _: u64, arrive: &mut dyn FnMut(IncidentLight)) {
         let to = self.position - at.position;
         let distance = to.length();
         if distance > 0.0 {
-            arrive(Arrival {
+            arrive(IncidentLight {
                 direction: to / distance,
                 distance,
                 normal_irradiance: self.intensity / (distance * distance),
@@ -65,8 +65,8 @@ pub struct DistantSource {
 }
 
 impl DirectLight for DistantSource {
-    fn arrivals(&self, _: &Receiver, _: u64, arrive: &mut dyn FnMut(Arrival)) {
-        arrive(Arrival {
+    fn arrivals(&self, _: &Receiver, _: u64, arrive: &mut dyn FnMut(IncidentLight)) {
+        arrive(IncidentLight {
             direction: self.toward,
             distance: f32::INFINITY,
             normal_irradiance: self.irradiance,
@@ -76,9 +76,9 @@ impl DirectLight for DistantSource {
 
 impl<F> DirectLight for F
 where
-    F: Fn(&Receiver, u64, &mut dyn FnMut(Arrival)) + Sync,
+    F: Fn(&Receiver, u64, &mut dyn FnMut(IncidentLight)) + Sync,
 {
-    fn arrivals(&self, at: &Receiver, sample: u64, arrive: &mut dyn FnMut(Arrival)) {
+    fn arrivals(&self, at: &Receiver, sample: u64, arrive: &mut dyn FnMut(IncidentLight)) {
         self(at, sample, arrive);
     }
 }

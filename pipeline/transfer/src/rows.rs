@@ -1,4 +1,4 @@
-//! Rows of the transfer: what one unit of irradiance on each patch adds at a point.
+//! TransferRows of the transfer: what one unit of irradiance on each patch adds at a point.
 //!
 //! Paths leave the point toward the scene without any light. Each vertex after the point itself
 //! would send on the direct light of its patch: it deposits in the patch's column what one unit
@@ -9,6 +9,7 @@
 //! irradiance being taken as even over a patch.
 
 use crate::TransferError;
+use crate::entry::{Entry, HalfRow};
 use crate::patches::Patches;
 use crate::tracing::{Stream, SurfacePoint, Tracer};
 use crate::walk::{Start, Walker};
@@ -27,21 +28,9 @@ pub struct RowPoint {
     pub viewer: Vec3,
 }
 
-/// What a column holds of a row, a channel [1/sr].
-///
-/// Materials are affine in the base colour of the row's own point: the radiance of the row
-/// is `constant + base_color * base`, times the irradiance.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Entry {
-    /// What a base colour of 1 adds: the diffuse lobe, a metal's reflection.
-    pub base: Vec3,
-    /// What a base colour of 0 leaves: a dielectric's reflection.
-    pub constant: Vec3,
-}
-
 /// Sparse rows, each as two independent half estimates.
 #[derive(Clone, Debug, Default)]
-pub struct Rows {
+pub struct TransferRows {
     /// Columns that the patches have.
     pub width: usize,
     /// First entry of each half (row 0's halves, row 1's, ...), and the number of all.
@@ -83,7 +72,7 @@ pub fn trace_rows(
     config: &RowConfig,
     stream: Stream,
     first_index: u64,
-) -> Result<Rows, TransferError> {
+) -> Result<TransferRows, TransferError> {
     if config.paths == 0 || !config.paths.is_multiple_of(2) {
         return Err(TransferError::Paths {
             paths: config.paths,
@@ -108,24 +97,18 @@ pub fn trace_rows(
             |walker, starts| walker.rows(starts),
         )
         .collect();
-    Ok(Rows::gather(parts.into_iter().flatten(), patches.columns()))
+    Ok(TransferRows::gather(
+        parts.into_iter().flatten(),
+        patches.columns(),
+    ))
 }
 
-/// One half of a row.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct HalfRow {
-    pub(crate) columns: Vec<u32>,
-    pub(crate) entries: Vec<Entry>,
-    /// Mean of 1 / distance of the first rays.
-    pub(crate) nearness: f32,
-}
-
-impl Rows {
-    fn gather(halves: impl Iterator<Item = HalfRow>, width: usize) -> Rows {
-        let mut rows = Rows {
+impl TransferRows {
+    fn gather(halves: impl Iterator<Item = HalfRow>, width: usize) -> TransferRows {
+        let mut rows = TransferRows {
             width,
             starts: vec![0],
-            ..Rows::default()
+            ..TransferRows::default()
         };
         let mut nearness = Vec::new();
         for half in halves {
@@ -158,13 +141,13 @@ impl Rows {
     }
 
     /// About `count` of the rows, evenly picked, and which ones.
-    pub fn some(&self, count: usize) -> (Rows, Vec<usize>) {
+    pub fn some(&self, count: usize) -> (TransferRows, Vec<usize>) {
         let step = self.len().div_ceil(count.max(1)).max(1);
         let picked: Vec<usize> = (0..self.len()).step_by(step).collect();
-        let mut some = Rows {
+        let mut some = TransferRows {
             width: self.width,
             starts: vec![0],
-            ..Rows::default()
+            ..TransferRows::default()
         };
         for &row in &picked {
             for half in 0..2 {
@@ -198,13 +181,5 @@ impl Rows {
             sum.constant += entry.constant * e;
         }
         sum
-    }
-}
-
-impl Entry {
-    /// The whole for a surface of this base colour.
-    #[inline]
-    pub fn coloured(&self, base_color: Vec3) -> Vec3 {
-        self.constant + base_color * self.base
     }
 }

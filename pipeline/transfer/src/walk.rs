@@ -1,7 +1,7 @@
 //! Paths without a light, and what they deposit.
 
+use crate::entry::{Entry, HalfRow};
 use crate::patches::Patches;
-use crate::rows::{Entry, HalfRow};
 use crate::tracing::{
     self, DIMENSIONS, Hits, Rays, Scramble, Stream, SurfacePoint, Table, Tracer, scramble,
 };

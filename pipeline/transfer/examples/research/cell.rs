@@ -134,7 +134,7 @@ fn inputs(row: &Row, part: usize) -> Vec<f64> {
     x.into_iter().map(f64::from).collect()
 }
 
-/// Rows in an order that has nothing to do with where they lie.
+/// TransferRows in an order that has nothing to do with where they lie.
 fn shuffled(samples: Samples) -> Samples {
     let n = samples.inputs.nrows();
     let stream = Stream::new(9, Stage::Test, 907);

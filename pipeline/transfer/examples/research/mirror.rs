@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rrf_scene::Scene;
 use rrf_trace::{Hits, Rays, Tracer};
-use rrf_transfer::{Arrival, DirectLight, Receiver, RowPoint};
+use rrf_transfer::{DirectLight, IncidentLight, Receiver, RowPoint};
 
 /// A point light of 1 W/sr, seen straight and by way of every flat perfect mirror.
 pub struct Mirrored<'a> {
@@ -82,7 +82,7 @@ impl<'a> Mirrored<'a> {
         blocked[0]
     }
 
-    fn images(&self, at: &Receiver, arrive: &mut dyn FnMut(Arrival)) {
+    fn images(&self, at: &Receiver, arrive: &mut dyn FnMut(IncidentLight)) {
         for mirror in &self.mirrors {
             let height = mirror.normal.dot(self.light) - mirror.offset;
             let own = mirror.normal.dot(at.position) - mirror.offset;
@@ -110,7 +110,7 @@ impl<'a> Mirrored<'a> {
             let direction = way / distance;
             let cosine = (1.0 - direction.dot(mirror.normal).abs()).clamp(0.0, 1.0);
             let fresnel = mirror.colour + (Vec3::ONE - mirror.colour) * cosine.powi(5);
-            arrive(Arrival {
+            arrive(IncidentLight {
                 direction,
                 distance: distance * share - 1e-3,
                 normal_irradiance: fresnel / (distance * distance),
@@ -127,14 +127,14 @@ impl<'a> Mirrored<'a> {
 }
 
 impl DirectLight for Mirrored<'_> {
-    fn arrivals(&self, at: &Receiver, _: u64, arrive: &mut dyn FnMut(Arrival)) {
+    fn arrivals(&self, at: &Receiver, _: u64, arrive: &mut dyn FnMut(IncidentLight)) {
         // what a mirror shows is the image; its own patches take no part
         if self.on_mirror(at) {
             return;
         }
         let to = self.light - at.position;
         let distance = to.length();
-        arrive(Arrival {
+        arrive(IncidentLight {
             direction: to / distance,
             distance,
             normal_irradiance: Vec3::splat(1.0 / (distance * distance)),

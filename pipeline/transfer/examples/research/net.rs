@@ -38,7 +38,7 @@ pub struct Samples {
     pub weights: Array1<f64>,
     /// Scale of an output.
     pub scales: Array1<f64>,
-    /// Rows from here on only judge.
+    /// TransferRows from here on only judge.
     pub training: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Rows at the points that are judged: what patches and paths cost.
+//! TransferRows at the points that are judged: what patches and paths cost.
 
 use crate::clock::cpu;
 use crate::mirror::Mirrored;

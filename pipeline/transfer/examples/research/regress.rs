@@ -16,7 +16,8 @@ use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    Basis, Ensemble, Entry, PatchConfig, Patches, Receivers, RowConfig, RowPoint, Rows, trace_rows,
+    Basis, Ensemble, Entry, PatchConfig, Patches, Receivers, RowConfig, RowPoint, TransferRows,
+    trace_rows,
 };
 
 /// What to try.
@@ -32,7 +33,7 @@ pub struct Plan {
     pub cell_rank: usize,
     pub ridge: f64,
     pub decay: f64,
-    /// Rows where light falls steeply are this much more frequent.
+    /// TransferRows where light falls steeply are this much more frequent.
     pub steep: f32,
     pub local: bool,
     pub nets: bool,
@@ -43,7 +44,7 @@ struct Bench<'a> {
     plan: &'a Plan,
     truth: &'a Truth,
     table: Table,
-    rows: Rows,
+    rows: TransferRows,
     /// Irradiance of the ensemble and of the truth's lights.
     ensemble: Ensemble,
     shone: Vec<Vec<Vec3>>,
@@ -324,7 +325,7 @@ fn draw(
 }
 
 /// Weights of rows from what the ensemble sends them.
-fn weigh(table: &mut Table, rows: &Rows, ensemble: &Ensemble) {
+fn weigh(table: &mut Table, rows: &TransferRows, ensemble: &Ensemble) {
     let columns = rows.width;
     let mean: Vec<Vec3> = (0..columns)
         .map(|c| {

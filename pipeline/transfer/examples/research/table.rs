@@ -1,4 +1,4 @@
-//! Rows elsewhere in the scene, and what regression sees of them.
+//! TransferRows elsewhere in the scene, and what regression sees of them.
 
 use glam::Vec3;
 use rrf_scene::Scene;
@@ -22,7 +22,7 @@ pub struct Row {
     pub weight: f32,
 }
 
-/// Rows elsewhere, and the points that are judged.
+/// TransferRows elsewhere, and the points that are judged.
 pub struct Table {
     pub rows: Vec<Row>,
     pub judged: Vec<Row>,

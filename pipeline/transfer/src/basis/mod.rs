@@ -1,6 +1,6 @@
 //! A basis of patch space for an ensemble of lights.
 //!
-//! Rows T and irradiances E of an ensemble give M = W T E: what the lights of the ensemble make
+//! TransferRows T and irradiances E of an ensemble give M = W T E: what the lights of the ensemble make
 //! of the rows, weighted so that relative errors count. Its leading singular vectors U, S, V' say
 //! which few combinations of patches matter:
 //!
@@ -18,7 +18,8 @@ mod cell;
 mod svd;
 
 use crate::TransferError;
-use crate::rows::{Entry, Rows};
+use crate::entry::Entry;
+use crate::rows::TransferRows;
 use crate::tracing::Stream;
 use glam::Vec3;
 use ndarray::Array2;
@@ -34,7 +35,7 @@ const LEAST: f64 = 1e-7;
 
 /// Weight of rows and lights: errors count relative to what a row usually gets.
 #[derive(Clone, Debug)]
-pub struct Weights {
+pub struct RelativeWeights {
     /// One a row [sr m^2/W].
     pub rows: Vec<f64>,
     /// One a light, without unit.
@@ -93,7 +94,7 @@ pub struct Basis {
 
 /// What the lights of an ensemble make of rows: shape [3 rows, lights], channels of a row
 /// together.
-pub fn radiances(rows: &Rows, colours: &[Vec3], ensemble: &Ensemble) -> Array2<f64> {
+pub fn radiances(rows: &TransferRows, colours: &[Vec3], ensemble: &Ensemble) -> Array2<f64> {
     let lights = ensemble.lights;
     let values: Vec<f64> = (0..rows.len())
         .into_par_iter()
@@ -114,7 +115,7 @@ pub fn radiances(rows: &Rows, colours: &[Vec3], ensemble: &Ensemble) -> Array2<f
 
 /// Columns and values of a row, the mean of its halves, for a base colour.
 fn mean_entries(
-    rows: &Rows,
+    rows: &TransferRows,
     row: usize,
     colour: Vec3,
 ) -> impl Iterator<Item = (u32, Vec3)> + use<'_> {
@@ -128,10 +129,10 @@ fn mean_entries(
     })
 }
 
-impl Weights {
+impl RelativeWeights {
     /// From radiances of shape [3 rows, lights]: a row's weight is 1 / max(its mean over lights,
     /// `floor` times the mean of all); a light's brings the mean weighted row to 1.
-    pub fn new(radiances: &Array2<f64>, floor: f64) -> Weights {
+    pub fn new(radiances: &Array2<f64>, floor: f64) -> RelativeWeights {
         let (rows, lights) = (radiances.nrows() / 3, radiances.ncols());
         let means: Vec<f64> = (0..rows)
             .map(|row| {
@@ -151,7 +152,7 @@ impl Weights {
             let mean = sum / (3 * rows).max(1) as f64;
             1.0 / mean.max(floor)
         });
-        Weights {
+        RelativeWeights {
             lights: by_light.collect(),
             rows: by_row,
         }
@@ -166,9 +167,9 @@ impl Weights {
 
 impl Basis {
     /// The basis of at most `rank` dimensions for rows with these base colours under an ensemble;
-    /// `floor` as in [`Weights::new`].
+    /// `floor` as in [`RelativeWeights::new`].
     pub fn new(
-        rows: &Rows,
+        rows: &TransferRows,
         colours: &[Vec3],
         ensemble: &Ensemble,
         rank: usize,
@@ -183,7 +184,7 @@ impl Basis {
             });
         }
         let mut matrix = radiances(rows, colours, ensemble);
-        let weights = Weights::new(&matrix, floor);
+        let weights = RelativeWeights::new(&matrix, floor);
         weights.apply(&mut matrix);
         let found = leading(&matrix, rank, stream)?;
         let largest = found.values.first().copied().unwrap_or(0.0);
@@ -237,7 +238,7 @@ impl Basis {
     }
 
     /// One half of a row, projected: its coefficients' factors, `rank` entries.
-    pub fn project(&self, rows: &Rows, row: usize, half: usize) -> Vec<Entry> {
+    pub fn project(&self, rows: &TransferRows, row: usize, half: usize) -> Vec<Entry> {
         let (columns, entries) = rows.half(row, half);
         let mut sum = vec![Entry::default(); self.rank];
         for (&column, entry) in columns.iter().zip(entries) {
@@ -300,9 +301,9 @@ fn products(matrix: &[f32], width: usize, vector: &[Vec3]) -> Vec<Vec3> {
 /// `count` combinations of the weighted rows, channels apart; `factor(k, r)` is what
 /// combination k takes of channel row r. Shape [count, columns].
 fn combined(
-    rows: &Rows,
+    rows: &TransferRows,
     colours: &[Vec3],
-    weights: &Weights,
+    weights: &RelativeWeights,
     count: usize,
     factor: impl Fn(usize, usize) -> f64 + Sync,
 ) -> Vec<f32> {

@@ -1,8 +1,8 @@
 //! The cells of a plane: a grid, each of whose cells may be quartered again and again.
 
 use super::clip::{Polygon, Rect, area, clip, fan, triangle_area};
+use super::element::{Element, Piece, SizeField};
 use super::planes::{Group, PlaneFrame, corners};
-use super::{Element, Piece, SizeField};
 use glam::Vec3;
 use rrf_scene::Scene;
 

@@ -1,7 +1,7 @@
 //! Elements joined to patches: those too small for one of their own, with neighbours that
 //! face alike.
 
-use super::Element;
+use super::element::Element;
 use glam::DVec3;
 use std::collections::BTreeMap;
 

@@ -10,6 +10,7 @@
 //! transfer. [`Patches::column`] finds the column of a path's vertex in constant time.
 
 mod clip;
+mod element;
 mod grid;
 mod merge;
 mod planes;
@@ -17,14 +18,13 @@ mod points;
 
 use crate::TransferError;
 use crate::tracing::{Bsdf, SurfacePoint, is_lambert};
+use element::{Element, Piece};
 use glam::{DVec3, Vec3};
 use grid::{Cutter, Grid, level};
 use rrf_scene::Scene;
 
+pub use element::SizeField;
 pub use points::PatchPoint;
-
-/// Edge of a patch at a place, as a share of the largest: 1 where nothing asks for more.
-pub type SizeField<'a> = &'a (dyn Fn(Vec3) -> f32 + Sync);
 
 /// How patches are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,40 +45,6 @@ impl Default for PatchConfig {
             count: 4_000,
             directions: 4,
             gloss: 0.3,
-        }
-    }
-}
-
-/// A triangular piece of a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Piece {
-    pub(crate) triangle: u32,
-    /// Weights of the triangle's second and third corner at the piece's corners.
-    pub(crate) corners: [[f32; 2]; 3],
-    /// Square metres.
-    pub(crate) area: f32,
-}
-
-/// A cell of a plane, or a small triangle.
-#[derive(Clone, Debug, Default)]
-struct Element {
-    area: f64,
-    centre: DVec3,
-    normal: Vec3,
-    /// Edge that a patch should have here, metres.
-    edge: f64,
-    pieces: Vec<Piece>,
-}
-
-impl Element {
-    fn add(&mut self, middle: DVec3, area: f64) {
-        self.centre += middle * area;
-        self.area += area;
-    }
-
-    fn finish(&mut self) {
-        if self.area > 0.0 {
-            self.centre /= self.area;
         }
     }
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use rrf_sampling::{Stage, Stream};
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    Arrival, DistantSource, PatchConfig, Patches, PointSource, Receiver, Receivers,
+    DistantSource, IncidentLight, PatchConfig, Patches, PointSource, Receiver, Receivers,
 };
 
 const EVEN: fn(Vec3) -> f32 = |_| 1.0;
@@ -100,8 +100,8 @@ fn other_lights_and_columns_in_use() {
     let back = place.normal.z < 0.0;
     let column = patches.first_column(patches.patch(&place).unwrap(), back) as usize;
     assert!((lit[column] - Vec3::splat(3.0)).abs().max_element() < 1e-4);
-    let closure = move |_: &Receiver, _: u64, arrive: &mut dyn FnMut(Arrival)| {
-        arrive(Arrival {
+    let closure = move |_: &Receiver, _: u64, arrive: &mut dyn FnMut(IncidentLight)| {
+        arrive(IncidentLight {
             direction: Vec3::Z,
             distance: f32::INFINITY,
             normal_irradiance: Vec3::splat(3.0),

@@ -1,4 +1,4 @@
-//! Rows against the path tracer that knows the light, and against closed forms.
+//! TransferRows against the path tracer that knows the light, and against closed forms.
 
 use crate::scenes::{MIDDLE, cornell, file, points, room};
 use glam::Vec3;
@@ -6,7 +6,7 @@ use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
 use rrf_trace::{Queries, Tracer, indirect};
 use rrf_transfer::{
-    PatchConfig, Patches, PointSource, Receivers, RowConfig, RowPoint, Rows, trace_rows,
+    PatchConfig, Patches, PointSource, Receivers, RowConfig, RowPoint, TransferRows, trace_rows,
 };
 
 const EVEN: fn(Vec3) -> f32 = |_| 1.0;
@@ -128,12 +128,12 @@ fn compare(scene: &Scene, config: &PatchConfig, lights: &[Vec3], seed: u64) -> V
         .collect()
 }
 
-fn both(rows: &Rows, row: usize, irradiance: &[Vec3], colour: Vec3) -> Vec3 {
+fn both(rows: &TransferRows, row: usize, irradiance: &[Vec3], colour: Vec3) -> Vec3 {
     let half = |h| rows.apply(row, h, irradiance).coloured(colour);
     (half(0) + half(1)) * 0.5
 }
 
-/// Rows times irradiance are what paths that know the light find, but for the patches' means.
+/// TransferRows times irradiance are what paths that know the light find, but for the patches' means.
 /// `bias` is the relative difference that these are allowed in one row.
 fn assert_agree(name: &str, found: &[Comparison], bias: f32) {
     let (mut sum, mut variance, mut truth) = (0.0f64, 0.0f64, 0.0f64);
@@ -186,7 +186,7 @@ fn rows_of_glossy_surfaces_are_close_to_those_of_the_path_tracer() {
     assert_agree("glossy", &compare(&scene, &config, &LIGHTS, 12), 0.15);
 }
 
-/// Rows made alone equal their part of the whole; halves differ; wrong counts are refused.
+/// TransferRows made alone equal their part of the whole; halves differ; wrong counts are refused.
 #[test]
 fn rows_are_functions_of_their_index() {
     let scene = cornell();
