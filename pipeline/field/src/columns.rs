@@ -1,11 +1,11 @@
 //! Rows as raw columns, in the order of [`crate::inputs`].
 
-use crate::inputs::{self, Place};
+use crate::inputs::registry::{Place, RAW, RAW_NAMES};
 
 /// How many raw columns a row has.
-pub const COUNT: usize = inputs::RAW;
+pub const COUNT: usize = RAW;
 /// Names of the raw columns, in order.
-pub const NAMES: [&str; COUNT] = inputs::RAW_NAMES;
+pub const NAMES: [&str; COUNT] = RAW_NAMES;
 /// First column of the surface point.
 pub const P: usize = Place::px as usize;
 /// First column of the normal.

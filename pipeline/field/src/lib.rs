@@ -56,6 +56,8 @@ pub mod tree;
 pub use baseline::{probes, quadratic};
 pub use error::FieldError;
 pub use evaluate::borders::{self, Borders};
-pub use evaluate::{EXP_ERROR, Field, LitField, MAX_EXPONENT, TANH_ERROR, Timings, Workspace};
+pub use evaluate::{
+    EXP_ERROR, EvaluationTimings, Field, LitField, MAX_EXPONENT, TANH_ERROR, Workspace,
+};
 pub use light::Light;
 pub use model::net;

@@ -1,6 +1,6 @@
 //! Where a frame's time goes.
 
-use rrf_field::Timings;
+use rrf_field::EvaluationTimings;
 use std::time::{Duration, Instant};
 
 /// Time of each stage of a frame, summed over the threads that worked on it; the wall time of a
@@ -12,7 +12,7 @@ pub struct Stages {
     /// Surface points, normals and materials of the hits, as columns.
     pub points: Duration,
     /// The nets: rows and lights taken to their cells, inputs, evaluation.
-    pub nets: Timings,
+    pub nets: EvaluationTimings,
     /// Lights' unoccluded radiance and their shadow rays made.
     pub direct: Duration,
     /// Shadow rays traced.

@@ -6,7 +6,7 @@ use crate::facts;
 use crate::formats::{Limits, parquet_file};
 use crate::manifest::RunFacts;
 use crate::schema::{self, Table};
-use crate::table::{Rows, Source, TableRow};
+use crate::table::{Source, TableRow, TableRows};
 use crate::table_row;
 use std::path::Path;
 
@@ -66,7 +66,7 @@ pub fn read_tasks(path: &Path, facts: &RunFacts) -> Result<Vec<TaskRow>, StoreEr
         table: Table::Tasks.name(),
         remedy: REMEDY,
     };
-    TaskRow::read(&Rows {
+    TaskRow::read(&TableRows {
         batch: &batch,
         source,
     })

@@ -145,7 +145,7 @@ fn columns_of(g: &mut Builder, raw: Value, first: usize, count: usize) -> Value 
 fn all_inputs(g: &mut Builder, raw: Value) -> Value {
     let columns: [Value; inputs::RAW] = std::array::from_fn(|c| columns_of(g, raw, c, 1));
     let graph = RefCell::new(std::mem::take(g));
-    let all = inputs::evaluate(columns.map(|value| Expression {
+    let all = inputs::evaluate_all(columns.map(|value| Expression {
         graph: &graph,
         value,
     }));

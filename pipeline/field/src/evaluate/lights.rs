@@ -6,7 +6,7 @@
 use super::field::{Field, Ready, gather, mark, run};
 use super::kernel::{self, Begin, Scratch};
 use super::packed::Packed;
-use super::timings::{Stopwatch, Timings};
+use super::timings::{EvaluationTimings, Stopwatch};
 use super::walk::Groups;
 use crate::columns::{self, Columns};
 use crate::error::FieldError;
@@ -117,7 +117,7 @@ impl LitField<'_> {
         work: &mut Workspace,
         out: &mut [Vec<f32>; 3],
         cells: &mut Vec<u32>,
-        timings: Option<&mut Timings>,
+        timings: Option<&mut EvaluationTimings>,
     ) -> Result<(), FieldError> {
         work.stopwatch.start(timings.is_some());
         self.field.prepare(rows, out, cells)?;

@@ -14,4 +14,4 @@ pub use exp::{EXP_ERROR, MAX_EXPONENT};
 pub use field::Field;
 pub use lights::{LitField, Workspace};
 pub use tanh::TANH_ERROR;
-pub use timings::Timings;
+pub use timings::EvaluationTimings;

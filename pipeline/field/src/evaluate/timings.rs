@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 /// Time of an evaluation by stages.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Timings {
+pub struct EvaluationTimings {
     /// Rows and lights taken to their cells.
     pub lookup: Duration,
     /// Inputs gathered, derived and scaled.
@@ -13,9 +13,9 @@ pub struct Timings {
     pub nets: Duration,
 }
 
-impl Timings {
+impl EvaluationTimings {
     /// Adds another evaluation's times.
-    pub fn add(&mut self, other: &Timings) {
+    pub fn add(&mut self, other: &EvaluationTimings) {
         self.lookup += other.lookup;
         self.inputs += other.inputs;
         self.nets += other.nets;
@@ -37,14 +37,14 @@ pub(crate) struct Stopwatch {
     /// What the timed blocks took so far, over all evaluations.
     inputs: Duration,
     nets: Duration,
-    pub(crate) timings: Timings,
+    pub(crate) timings: EvaluationTimings,
 }
 
 impl Stopwatch {
     /// Starts, if anyone wants to know.
     pub(crate) fn start(&mut self, wanted: bool) {
         self.last = wanted.then(Instant::now);
-        self.timings = Timings::default();
+        self.timings = EvaluationTimings::default();
     }
 
     pub(crate) fn end_lookup(&mut self) {
@@ -69,7 +69,7 @@ impl Stopwatch {
     }
 
     /// All is evaluated: the time since the lookup is shared out.
-    pub(crate) fn end(&mut self) -> Timings {
+    pub(crate) fn end(&mut self) -> EvaluationTimings {
         let both = restart(&mut self.last);
         let timed = self.inputs + self.nets;
         if !timed.is_zero() {

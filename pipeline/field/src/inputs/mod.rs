@@ -12,14 +12,13 @@ pub(crate) mod block;
 pub(crate) mod lane;
 mod number;
 mod reads;
-mod registry;
+pub(crate) mod registry;
 mod toml;
 
 use crate::columns::Columns;
 pub use number::Number;
-pub use reads::{Reads, depends_on, depends_on_light, derivation, evaluate, place, reads};
+pub use reads::{Reads, depends_on, depends_on_light, derivation, evaluate_all, place, reads};
 pub use registry::{COUNT, INPUTS, Input, NAMES, RAW};
-pub(crate) use registry::{Place, RAW_NAMES};
 pub use toml::toml;
 
 /// Computes an input for all rows into `out`.

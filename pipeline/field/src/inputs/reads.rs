@@ -120,7 +120,7 @@ pub fn derivation(inputs: &[u8]) -> Vec<u8> {
 }
 
 /// Evaluates every input from the raw columns, whatever numbers are.
-pub fn evaluate<T: Number>(raw: [T; RAW]) -> [T; COUNT] {
+pub fn evaluate_all<T: Number>(raw: [T; RAW]) -> [T; COUNT] {
     let places: Vec<u8> = (0..COUNT as u8).collect();
     // any number will do where derived ones are still to come
     let mut all = std::array::from_fn(|i| raw.get(i).copied().unwrap_or(raw[0]));

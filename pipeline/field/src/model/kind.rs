@@ -25,7 +25,7 @@ pub enum Kind {
 }
 
 /// Every kind.
-pub const KINDS: [Kind; 4] = [Kind::Net, Kind::Quadratic, Kind::Nearest, Kind::Probes];
+pub const MODEL_KINDS: [Kind; 4] = [Kind::Net, Kind::Quadratic, Kind::Nearest, Kind::Probes];
 
 impl Kind {
     /// As the weights table writes it.
@@ -40,7 +40,7 @@ impl Kind {
 
     /// The kind of this name.
     pub fn of_name(name: &str) -> Option<Kind> {
-        KINDS.into_iter().find(|kind| kind.name() == name)
+        MODEL_KINDS.into_iter().find(|kind| kind.name() == name)
     }
 
     /// Whether it is a net.

@@ -5,7 +5,7 @@ mod check;
 mod kind;
 pub mod net;
 
-pub use kind::{KINDS, Kind};
+pub use kind::{Kind, MODEL_KINDS};
 use net::Shape;
 
 /// One cell's model. Φ(x) = output_offset + output_scale ∘ net((input − input_offset) · input_scale),

@@ -1,7 +1,7 @@
 //! `model/metrics.arrow`.
 
 use crate::error::StoreError;
-use crate::table::{Arrays, Field, Rows};
+use crate::table::{Arrays, RowField, TableRows};
 use crate::table_row;
 use rrf_metrics::estimate::SquareError;
 
@@ -67,7 +67,7 @@ pub struct Seams {
 }
 
 /// Four columns, of which the relative error and its standard error are for people.
-impl Field for Option<SquareError> {
+impl RowField for Option<SquareError> {
     fn write(name: &str, values: &[&Self], to: &mut Arrays) {
         let columns: [(String, fn(SquareError) -> f64); 4] = [
             (format!("relative_error_{name}"), |e| e.relative().0),
@@ -80,7 +80,7 @@ impl Field for Option<SquareError> {
         }
     }
 
-    fn read(name: &str, from: &Rows) -> Result<Vec<Self>, StoreError> {
+    fn read(name: &str, from: &TableRows) -> Result<Vec<Self>, StoreError> {
         let mean = format!("relative_square_error_{name}");
         let both = read_both(&mean, &format!("{mean}_se"), from)?;
         Ok(both
@@ -90,7 +90,7 @@ impl Field for Option<SquareError> {
 }
 
 /// The root mean square under the field's name, the median beside it.
-impl Field for Option<Spread> {
+impl RowField for Option<Spread> {
     fn write(name: &str, values: &[&Self], to: &mut Arrays) {
         write_each(name, values, |spread| spread.rms, to);
         write_each(
@@ -101,7 +101,7 @@ impl Field for Option<Spread> {
         );
     }
 
-    fn read(name: &str, from: &Rows) -> Result<Vec<Self>, StoreError> {
+    fn read(name: &str, from: &TableRows) -> Result<Vec<Self>, StoreError> {
         let both = read_both(name, &format!("{name}_median"), from)?;
         Ok(both
             .map(|both| both.map(|(rms, median)| Spread { rms, median }))
@@ -113,13 +113,13 @@ const SEAM_ROWS: &str = "seam_rows";
 const SEAM_JUMP: &str = "seam_jump";
 const SEAM_CHANGE: &str = "seam_change";
 
-impl Field for Option<Seams> {
+impl RowField for Option<Seams> {
     fn write(_: &str, values: &[&Self], to: &mut Arrays) {
         let rows: Vec<Option<u32>> = values
             .iter()
             .map(|seams| Some(seams.as_ref()?.rows))
             .collect();
-        Field::write(SEAM_ROWS, &rows.iter().collect::<Vec<_>>(), to);
+        RowField::write(SEAM_ROWS, &rows.iter().collect::<Vec<_>>(), to);
         let spreads: [(&str, fn(&Seams) -> Option<Spread>); 2] = [
             (SEAM_JUMP, |seams| seams.jump),
             (SEAM_CHANGE, |seams| seams.change),
@@ -127,14 +127,14 @@ impl Field for Option<Seams> {
         for (name, get) in spreads {
             let spreads: Vec<Option<Spread>> =
                 values.iter().map(|seams| get(seams.as_ref()?)).collect();
-            Field::write(name, &spreads.iter().collect::<Vec<_>>(), to);
+            RowField::write(name, &spreads.iter().collect::<Vec<_>>(), to);
         }
     }
 
-    fn read(_: &str, from: &Rows) -> Result<Vec<Self>, StoreError> {
-        let rows: Vec<Option<u32>> = Field::read(SEAM_ROWS, from)?;
-        let jumps: Vec<Option<Spread>> = Field::read(SEAM_JUMP, from)?;
-        let changes: Vec<Option<Spread>> = Field::read(SEAM_CHANGE, from)?;
+    fn read(_: &str, from: &TableRows) -> Result<Vec<Self>, StoreError> {
+        let rows: Vec<Option<u32>> = RowField::read(SEAM_ROWS, from)?;
+        let jumps: Vec<Option<Spread>> = RowField::read(SEAM_JUMP, from)?;
+        let changes: Vec<Option<Spread>> = RowField::read(SEAM_CHANGE, from)?;
         let each = rows.into_iter().zip(jumps).zip(changes);
         let seams = |((rows, jump), change): ((Option<u32>, _), _)| {
             rows.map(|rows| Seams { rows, jump, change })
@@ -146,16 +146,16 @@ impl Field for Option<Seams> {
 /// A column of one number of each value, null without a value.
 fn write_each<T: Copy>(name: &str, values: &[&Option<T>], get: fn(T) -> f64, to: &mut Arrays) {
     let numbers: Vec<Option<f64>> = values.iter().map(|value| value.map(get)).collect();
-    Field::write(name, &numbers.iter().collect::<Vec<_>>(), to);
+    RowField::write(name, &numbers.iter().collect::<Vec<_>>(), to);
 }
 
 /// Two columns of which a row has both or none.
 fn read_both(
     a: &str,
     b: &str,
-    from: &Rows,
+    from: &TableRows,
 ) -> Result<impl Iterator<Item = Option<(f64, f64)>> + use<>, StoreError> {
-    let a: Vec<Option<f64>> = Field::read(a, from)?;
-    let b: Vec<Option<f64>> = Field::read(b, from)?;
+    let a: Vec<Option<f64>> = RowField::read(a, from)?;
+    let b: Vec<Option<f64>> = RowField::read(b, from)?;
     Ok(a.into_iter().zip(b).map(|(a, b)| a.zip(b)))
 }

@@ -24,7 +24,7 @@ use crate::formats::arrow_file;
 use crate::layout::model_folder;
 use crate::manifest::RunFacts;
 use crate::schema::{self, Table};
-use crate::table::{Rows, Source, TableRow};
+use crate::table::{Source, TableRow, TableRows};
 use arrow::array::RecordBatch;
 use rrf_field::model::CellModel;
 use std::path::{Path, PathBuf};
@@ -186,7 +186,7 @@ fn read<R: TableRow>(path: &Path, facts: &RunFacts) -> Result<Vec<R>, StoreError
 
 fn rows<R: TableRow>(batch: &RecordBatch, path: &Path) -> Result<Vec<R>, StoreError> {
     let source = source(path, R::TABLE);
-    R::read(&Rows { batch, source })
+    R::read(&TableRows { batch, source })
 }
 
 /// Reads a table whose schema, run and content hash are those expected.

@@ -4,7 +4,7 @@ use crate::error::StoreError;
 use crate::table::Source;
 use crate::table_row;
 use rrf_field::inputs::{self, NAMES};
-use rrf_field::model::{CellModel, KINDS, Kind};
+use rrf_field::model::{CellModel, Kind, MODEL_KINDS};
 use rrf_field::net::Shape;
 
 table_row! {
@@ -66,7 +66,7 @@ fn row(cell: CellModel) -> Row {
 
 fn model(row: Row) -> Result<CellModel, String> {
     let kind = Kind::of_name(&row.kind).ok_or_else(|| {
-        let known = KINDS.map(Kind::name).join(", ");
+        let known = MODEL_KINDS.map(Kind::name).join(", ");
         format!("kind {:?} is not known; known are {known}", row.kind)
     })?;
     let input =

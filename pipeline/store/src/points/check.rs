@@ -1,7 +1,7 @@
 //! What a points table must hold, row by row.
 
 use crate::error::StoreError;
-use crate::table::Rows;
+use crate::table::TableRows;
 use arrow::datatypes::{DataType, Float32Type, Float64Type};
 use rrf_field::columns::{GEOMETRY, N, NAMES, V};
 
@@ -9,7 +9,7 @@ use rrf_field::columns::{GEOMETRY, N, NAMES, V};
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// The twelve columns, and how many rows had to be scaled to unit length.
-pub(crate) fn geometry(rows: &Rows) -> Result<([Vec<f32>; GEOMETRY], usize), StoreError> {
+pub(crate) fn geometry(rows: &TableRows) -> Result<([Vec<f32>; GEOMETRY], usize), StoreError> {
     let mut columns: [Vec<f32>; GEOMETRY] = Default::default();
     let missing: Vec<&str> = NAMES
         .iter()
@@ -29,7 +29,7 @@ pub(crate) fn geometry(rows: &Rows) -> Result<([Vec<f32>; GEOMETRY], usize), Sto
     Ok((columns, rescaled))
 }
 
-fn read_column(rows: &Rows, name: &str) -> Result<Vec<f32>, StoreError> {
+fn read_column(rows: &TableRows, name: &str) -> Result<Vec<f32>, StoreError> {
     let values: Vec<f32> = match rows.array(name)?.data_type() {
         DataType::Float32 => rows.numbers::<Float32Type>(name)?.to_vec(),
         DataType::Float64 => {
@@ -50,7 +50,7 @@ fn read_column(rows: &Rows, name: &str) -> Result<Vec<f32>, StoreError> {
 }
 
 /// Scales n and v to unit length, and finds rows whose viewer is below the surface.
-fn normalise(columns: &mut [Vec<f32>; GEOMETRY], rows: &Rows) -> Result<usize, StoreError> {
+fn normalise(columns: &mut [Vec<f32>; GEOMETRY], rows: &TableRows) -> Result<usize, StoreError> {
     let mut rescaled = 0;
     for row in 0..columns[0].len() {
         let (n, off_n) = unit(columns, N, row, rows)?;
@@ -77,7 +77,7 @@ fn unit(
     columns: &[Vec<f32>; GEOMETRY],
     first: usize,
     row: usize,
-    rows: &Rows,
+    rows: &TableRows,
 ) -> Result<([f64; 3], f64), StoreError> {
     let x: [f64; 3] = std::array::from_fn(|c| f64::from(columns[first + c][row]));
     let length = (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt();

@@ -8,7 +8,7 @@ use crate::formats::Limits;
 use crate::formats::expanded::expanded_bytes;
 use crate::formats::{arrow_file, parquet_file};
 use crate::schema::{self, Table};
-use crate::table::{Rows, Source, TableRow};
+use crate::table::{Source, TableRow, TableRows};
 use arrow::array::{ArrayRef, RecordBatch};
 use arrow::datatypes::{FieldRef, Schema, SchemaRef};
 use check::geometry;
@@ -80,7 +80,7 @@ pub fn read_points(path: &Path, limits: Limits) -> Result<PointsTable, StoreErro
             return Err(source.schema_error(format!("column {} is there twice", field.name())));
         }
     }
-    let rows = Rows {
+    let rows = TableRows {
         batch: &batch,
         source,
     };
@@ -133,7 +133,7 @@ pub fn read_rows<R: TableRow>(path: &Path) -> Result<Vec<R>, StoreError> {
         table: R::TABLE.name(),
         remedy: REMAKE,
     };
-    R::read(&Rows {
+    R::read(&TableRows {
         batch: &batch,
         source,
     })

@@ -1,7 +1,7 @@
 //! Parallel columns in memory as columns of a table.
 
 use crate::error::StoreError;
-use crate::table::{Arrays, Field, Rows};
+use crate::table::{Arrays, RowField, TableRows};
 use arrow::array::Float32Array;
 use arrow::datatypes::Float32Type;
 use rrf_field::columns::{Columns, NAMES};
@@ -13,18 +13,18 @@ pub(super) trait Column {
     fn write(&self, name: &str, to: &mut Arrays);
 
     /// Appends the values in a file.
-    fn read(&mut self, name: &str, from: &Rows) -> Result<(), StoreError>;
+    fn read(&mut self, name: &str, from: &TableRows) -> Result<(), StoreError>;
 
     /// Appends the values of another.
     fn extend(&mut self, other: &Self);
 }
 
-impl<T: Field + Clone> Column for Vec<T> {
+impl<T: RowField + Clone> Column for Vec<T> {
     fn write(&self, name: &str, to: &mut Arrays) {
         T::write(name, &self.iter().collect::<Vec<_>>(), to);
     }
 
-    fn read(&mut self, name: &str, from: &Rows) -> Result<(), StoreError> {
+    fn read(&mut self, name: &str, from: &TableRows) -> Result<(), StoreError> {
         self.append(&mut T::read(name, from)?);
         Ok(())
     }
@@ -45,7 +45,7 @@ impl Column for Columns {
         }
     }
 
-    fn read(&mut self, _: &str, from: &Rows) -> Result<(), StoreError> {
+    fn read(&mut self, _: &str, from: &TableRows) -> Result<(), StoreError> {
         for (name, column) in NAMES.iter().zip(&mut self.columns) {
             column.extend_from_slice(from.numbers::<Float32Type>(name)?);
         }
@@ -70,7 +70,7 @@ impl Column for [Vec<[f32; 3]>; 2] {
         }
     }
 
-    fn read(&mut self, name: &str, from: &Rows) -> Result<(), StoreError> {
+    fn read(&mut self, name: &str, from: &TableRows) -> Result<(), StoreError> {
         for (names, half) in half_names(name).iter().zip(self) {
             let [r, g, b] = names
                 .each_ref()
@@ -104,7 +104,7 @@ macro_rules! column_list {
             /// Appends the rows of a file.
             pub(crate) fn read(
                 &mut self,
-                from: &$crate::table::Rows,
+                from: &$crate::table::TableRows,
             ) -> Result<(), $crate::StoreError> {
                 $($crate::samples::columns::Column::read(&mut self.$field, $name, from)?;)*
                 Ok(())

@@ -6,7 +6,7 @@ pub mod parts;
 
 use crate::error::StoreError;
 use crate::schema::{self, Table};
-use crate::table::{Arrays, Field};
+use crate::table::{Arrays, RowField};
 use arrow::array::RecordBatch;
 use columns::column_list;
 use rrf_field::columns::Columns;

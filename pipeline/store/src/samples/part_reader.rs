@@ -8,7 +8,7 @@ use crate::formats::Limits;
 use crate::formats::parquet_file::{self, Batches};
 use crate::manifest::RunFacts;
 use crate::schema::{self, Table};
-use crate::table::{Rows, Source};
+use crate::table::{Source, TableRows};
 use arrow::array::RecordBatch;
 use arrow::datatypes::UInt32Type;
 use std::path::{Path, PathBuf};
@@ -134,13 +134,13 @@ impl Iterator for PartReader {
     }
 }
 
-pub(super) fn rows<'a>(path: &'a Path, batch: &'a RecordBatch) -> Rows<'a> {
+pub(super) fn rows<'a>(path: &'a Path, batch: &'a RecordBatch) -> TableRows<'a> {
     let source = Source {
         path,
         table: Table::Samples.name(),
         remedy: REMEDY,
     };
-    Rows { batch, source }
+    TableRows { batch, source }
 }
 
 fn foreign(path: &Path, fact: &'static str, expected: String, found: String) -> StoreError {

@@ -2,10 +2,13 @@
 
 use super::tables::Table;
 use crate::error::StoreError;
-use crate::table::Arrays;
-use arrow::array::RecordBatch;
+use arrow::array::{ArrayRef, RecordBatch};
 use arrow::datatypes::{DataType, FieldRef, Fields, Schema, SchemaRef};
+use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Columns by name, on their way into a file.
+pub type Arrays = BTreeMap<String, ArrayRef>;
 
 /// Metadata key of the schema's name.
 pub const KEY_SCHEMA: &str = "rrf.schema";

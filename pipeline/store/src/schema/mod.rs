@@ -9,7 +9,7 @@ mod tables;
 mod text;
 
 use crate::error::StoreError;
-pub use contract::{Column, KEY_SCHEMA, KEY_VERSION, TableSchema};
+pub use contract::{Arrays, Column, KEY_SCHEMA, KEY_VERSION, TableSchema};
 use std::sync::LazyLock;
 pub use tables::{TABLES, Table};
 

@@ -1,17 +1,13 @@
 //! Fields of rows, rows of tables.
 
-use super::source::Rows;
+use super::source::TableRows;
 use super::value::Value;
 use crate::error::StoreError;
-use crate::schema::{self, Table};
-use arrow::array::{ArrayRef, RecordBatch};
-use std::collections::BTreeMap;
-
-/// Columns by name, on their way into a file.
-pub type Arrays = BTreeMap<String, ArrayRef>;
+use crate::schema::{self, Arrays, Table};
+use arrow::array::RecordBatch;
 
 /// The type of a row's field: one column, or several whose names follow from the field's.
-pub trait Field: Sized {
+pub trait RowField: Sized {
     /// Adds the columns of the field `name`.
     fn write(name: &str, values: &[&Self], to: &mut Arrays);
 
@@ -20,10 +16,10 @@ pub trait Field: Sized {
     /// # Errors
     /// [`StoreError::Schema`] for a column that is missing or of another type,
     /// [`StoreError::BadValue`] for a null.
-    fn read(name: &str, from: &Rows) -> Result<Vec<Self>, StoreError>;
+    fn read(name: &str, from: &TableRows) -> Result<Vec<Self>, StoreError>;
 }
 
-impl<T: Value> Field for T {
+impl<T: Value> RowField for T {
     fn write(name: &str, values: &[&T], to: &mut Arrays) {
         to.insert(
             name.into(),
@@ -31,8 +27,8 @@ impl<T: Value> Field for T {
         );
     }
 
-    fn read(name: &str, from: &Rows) -> Result<Vec<T>, StoreError> {
-        let values = <Option<T> as Field>::read(name, from)?;
+    fn read(name: &str, from: &TableRows) -> Result<Vec<T>, StoreError> {
+        let values = <Option<T> as RowField>::read(name, from)?;
         let values = values.into_iter().enumerate();
         values
             .map(|(row, value)| value.ok_or_else(|| from.null(name, row)))
@@ -40,7 +36,7 @@ impl<T: Value> Field for T {
     }
 }
 
-impl<T: Value> Field for Option<T> {
+impl<T: Value> RowField for Option<T> {
     fn write(name: &str, values: &[&Option<T>], to: &mut Arrays) {
         to.insert(
             name.into(),
@@ -48,7 +44,7 @@ impl<T: Value> Field for Option<T> {
         );
     }
 
-    fn read(name: &str, from: &Rows) -> Result<Vec<Option<T>>, StoreError> {
+    fn read(name: &str, from: &TableRows) -> Result<Vec<Option<T>>, StoreError> {
         let array = from.array(name)?;
         T::values(array).ok_or_else(|| from.wrong_type(name, array))
     }
@@ -65,8 +61,8 @@ pub trait TableRow: Sized {
     /// Reads all rows.
     ///
     /// # Errors
-    /// As [`Field::read`].
-    fn read(from: &Rows) -> Result<Vec<Self>, StoreError>;
+    /// As [`RowField::read`].
+    fn read(from: &TableRows) -> Result<Vec<Self>, StoreError>;
 
     /// The rows as a batch of their table.
     ///

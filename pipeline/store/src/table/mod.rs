@@ -3,15 +3,16 @@
 //!
 //! Writing and reading follow from the field's name and type: numbers, texts and lists are a column of
 //! the field's name ([`Value`]), absent ones of an `Option` null; a type may also be several columns
-//! ([`Field`]).
+//! ([`RowField`]).
 
 mod field;
 mod source;
 mod value;
 
-pub use field::{Arrays, Field, TableRow};
-pub use source::Rows;
+pub use crate::schema::Arrays;
+pub use field::{RowField, TableRow};
 pub(crate) use source::Source;
+pub use source::TableRows;
 pub use value::Value;
 
 /// Defines the row of a table: its fields are the columns of `schemas/`.
@@ -47,13 +48,13 @@ macro_rules! table_row {
             fn write(rows: &[&Self], to: &mut $crate::table::Arrays) {
                 $(
                     let values: Vec<&$type> = rows.iter().map(|row| &row.$field).collect();
-                    <$type as $crate::table::Field>::write(stringify!($field), &values, to);
+                    <$type as $crate::table::RowField>::write(stringify!($field), &values, to);
                 )*
             }
 
-            fn read(from: &$crate::table::Rows) -> Result<Vec<Self>, $crate::StoreError> {
+            fn read(from: &$crate::table::TableRows) -> Result<Vec<Self>, $crate::StoreError> {
                 $(
-                    let values = <$type as $crate::table::Field>::read(stringify!($field), from)?;
+                    let values = <$type as $crate::table::RowField>::read(stringify!($field), from)?;
                     let mut $field = values.into_iter();
                 )*
                 let row = || Some($row { $($field: $field.next()?,)* });

@@ -44,12 +44,12 @@ impl Source<'_> {
 
 /// The rows of one file, column by column.
 #[derive(Clone, Copy)]
-pub struct Rows<'a> {
+pub struct TableRows<'a> {
     pub(crate) batch: &'a RecordBatch,
     pub(crate) source: Source<'a>,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> TableRows<'a> {
     pub(crate) fn array(&self, name: &str) -> Result<&'a dyn Array, StoreError> {
         let array = self.batch.column_by_name(name).map(|array| array.as_ref());
         array.ok_or_else(|| {

@@ -1,7 +1,7 @@
 //! The model's tables.
 
 use crate::made;
-use rrf_field::model::{CellModel, KINDS, Kind};
+use rrf_field::model::{CellModel, Kind, MODEL_KINDS};
 use rrf_store::StoreError;
 use rrf_store::layout::fit_folder;
 use rrf_store::manifest::RunFacts;
@@ -175,11 +175,11 @@ fn models_of_every_kind() {
             ..made::cell_model(0)
         }
     };
-    for kind in KINDS {
+    for kind in MODEL_KINDS {
         write_weights(run.path(), &[of(kind)], &made::facts()).unwrap();
         let back = read_weights(run.path(), &made::facts()).unwrap();
         assert_eq!(back, [of(kind)]);
-        for other in KINDS.into_iter().filter(|other| *other != kind) {
+        for other in MODEL_KINDS.into_iter().filter(|other| *other != kind) {
             let wrong = CellModel {
                 kind: other,
                 ..of(kind)
