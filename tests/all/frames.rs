@@ -75,7 +75,7 @@ fn paths_that_cannot_be_followed() {
         ),
         (format!("{HEAD}\n0,1,3,0,1"), "row 1: 5 values"),
         (HEAD.to_string(), "no row"),
-        ("eye_x,eye_y\n0,0".to_string(), "no column eye_z"),
+        ("eye_x,eye_y,fov\n0,0,1".to_string(), "no column eye_z"),
         // the tall box
         (
             format!("{HEAD}\n{ROW}\n-0.33,0.6,-0.3,0,1,0,40"),

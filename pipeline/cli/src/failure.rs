@@ -11,6 +11,7 @@ use rrf_scene::SceneError;
 use rrf_store::StoreError;
 use rrf_trace::TraceError;
 use rrf_view::ViewError;
+use std::error::Error;
 
 /// Bad input found by the command line itself.
 #[derive(Debug, thiserror::Error)]
@@ -30,30 +31,25 @@ pub fn message(error: &anyhow::Error) -> String {
 
 /// The exit code of an error: bad input wherever one of the libraries says so.
 pub fn exit_code(error: &anyhow::Error) -> u8 {
+    fn is<E: Error + Send + Sync + 'static>(
+        cause: &(dyn Error + 'static),
+        bad: impl Fn(&E) -> bool,
+    ) -> bool {
+        cause.downcast_ref().is_some_and(bad)
+    }
     let bad = error.chain().any(|cause| {
-        cause.is::<BadInput>()
-            || cause.is::<SceneError>()
-            || cause.is::<TraceError>()
-            || cause.is::<ExtractError>()
-            || cause.is::<FieldError>()
-            || cause.is::<MetricsError>()
-            || matches!(cause.downcast_ref(), Some(ViewError::Bind { .. }))
-            || matches!(
-                cause.downcast_ref::<ExportError>(),
-                Some(ExportError::Model { .. } | ExportError::NoNet { .. })
-            )
-            || cause
-                .downcast_ref::<RemoteError>()
-                .is_some_and(RemoteError::is_bad_input)
-            || cause
-                .downcast_ref::<RenderError>()
-                .is_some_and(RenderError::is_bad_input)
-            || cause
-                .downcast_ref::<StoreError>()
-                .is_some_and(StoreError::is_bad_input)
-            || cause
-                .downcast_ref::<BakeError>()
-                .is_some_and(BakeError::is_bad_input)
+        is(cause, |_: &BadInput| true)
+            || is(cause, |_: &SceneError| true)
+            || is(cause, |_: &TraceError| true)
+            || is(cause, |_: &ExtractError| true)
+            || is(cause, |_: &FieldError| true)
+            || is(cause, |_: &MetricsError| true)
+            || is(cause, ViewError::is_bad_input)
+            || is(cause, ExportError::is_bad_input)
+            || is(cause, RemoteError::is_bad_input)
+            || is(cause, RenderError::is_bad_input)
+            || is(cause, StoreError::is_bad_input)
+            || is(cause, BakeError::is_bad_input)
     });
     if bad { 2 } else { 1 }
 }

@@ -1,35 +1,33 @@
 //! The command line: what was typed is parsed once, handed to the stages, and their results
-//! are printed. One module a subcommand.
+//! are printed. A subcommand is one file in `commands`.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
-mod animate;
 mod args;
-mod bake;
 mod baked;
-mod batch;
-mod compare;
-mod doctor;
-mod elsewhere;
-mod export;
+mod commands;
 mod failure;
-mod page;
+mod film;
 mod pictures;
-mod place;
 mod points;
 mod progress;
-mod query;
-mod render;
-mod scene;
+mod run_location;
+mod scene_file;
 mod stats;
-mod tasks;
-mod trace;
 mod trust;
-mod view;
 
-use args::{Cli, Command};
 use clap::Parser;
 use std::process::ExitCode;
+
+/// Bakes a static scene's indirect light into small neural nets; viewpoint and lights stay free.
+#[derive(Debug, Parser)]
+#[command(name = "rrf", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: commands::Command,
+    #[command(flatten)]
+    globals: args::Globals,
+}
 
 /// Runs the command line and returns its exit code.
 pub fn main() -> ExitCode {
@@ -45,33 +43,12 @@ pub fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<ExitCode> {
-    if let Some(threads) = cli.threads {
+    if let Some(threads) = cli.globals.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads as usize)
             .build_global()?;
     }
-    match &cli.command {
-        Command::Bake(args) => bake::bake(args, cli.quiet),
-        Command::Extract(args) => bake::extract(args, cli.quiet),
-        Command::Train(args) => bake::train(args, cli.quiet),
-        Command::Run(args) => batch::run(args, cli.quiet),
-        Command::Plan(args) => tasks::plan(args),
-        Command::Task(args) => tasks::task(args),
-        Command::Commit(args) => tasks::commit(args),
-        Command::Render(args) => render::run(args),
-        Command::Export(args) => export::run(args),
-        Command::Compare(args) => compare::run(args),
-        Command::Trace(args) => trace::run(args, cli.quiet),
-        Command::Query(args) => query::run(args),
-        Command::Scene(args) => scene::run(args),
-        Command::View(args) => page::run(args),
-        Command::Doctor(_) => doctor::run(),
-        Command::Inspect(args) => return elsewhere::run("inspect", args, cli),
-        Command::Chart(args) => return elsewhere::run("chart", args, cli),
-        Command::Sweep(args) => return elsewhere::run("sweep", args, cli),
-        Command::Report(args) => return elsewhere::run("report", args, cli),
-    }?;
-    Ok(ExitCode::SUCCESS)
+    cli.command.run(&cli.globals)
 }
 
 /// `rrf compare ... | head` is no failure: like other Unix programs, stop when the reader has.

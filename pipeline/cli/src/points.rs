@@ -1,4 +1,4 @@
-//! Points tables: where their rows lie on the surface.
+//! Points tables: their rows as points of the surface and as raw columns.
 
 use crate::failure::BadInput;
 use glam::Vec3;
@@ -53,7 +53,7 @@ fn vec3(table: &PointsTable, first: usize, row: usize) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|i| table.geometry[first + i][row]))
 }
 
-/// What a written table says of its origin.
+/// Metadata of a written table: its origin.
 pub fn facts(scene_hash: &str, seed: u64) -> [(&'static str, String); 2] {
     [
         ("rrf.scene_hash", scene_hash.to_string()),

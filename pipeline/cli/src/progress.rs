@@ -1,7 +1,7 @@
 //! Progress bars with time left, on a terminal only; time limit and signals.
 
 use crate::args::Bounds;
-use crate::place::Place;
+use crate::run_location::RunLocation;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rrf_bake::{Evaluation, Halt, TaskKind, Watch};
 use rrf_remote::RemoteError;
@@ -21,7 +21,7 @@ pub struct Bars {
     deadline: Option<Instant>,
     memory: Option<u64>,
     interrupted: Arc<AtomicBool>,
-    place: Option<Place>,
+    place: Option<RunLocation>,
 }
 
 impl Bars {
@@ -48,7 +48,7 @@ impl Bars {
     }
 
     /// Keeps an address up to date with the run's folder, task for task.
-    pub fn keeping(self, place: Place) -> Bars {
+    pub fn keeping(self, place: RunLocation) -> Bars {
         Bars {
             place: Some(place),
             ..self
@@ -57,7 +57,7 @@ impl Bars {
 
     /// Stores what changed, where the run has an address.
     pub fn push(&self) -> Result<(), RemoteError> {
-        self.place.as_ref().map_or(Ok(()), Place::push)
+        self.place.as_ref().map_or(Ok(()), RunLocation::push)
     }
 
     fn with(&self, act: impl FnOnce(&mut ProgressBar)) {

@@ -1,7 +1,7 @@
 //! `--json-stats`: what frames cost, stage by stage.
 
 use anyhow::Context;
-use rrf_render::{Lights, Stages, View};
+use rrf_render::{FrameStage, FrameTimings, Lights, View};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -12,7 +12,7 @@ pub struct Clock {
     started: Option<(Instant, Duration)>,
     wall: Vec<f64>,
     processor: Vec<f64>,
-    stages: Vec<Stages>,
+    timings: Vec<FrameTimings>,
 }
 
 impl Clock {
@@ -22,32 +22,30 @@ impl Clock {
     }
 
     /// The frame is there.
-    pub fn stop(&mut self, stages: Stages) {
+    pub fn stop(&mut self, timings: FrameTimings) {
         if let Some((wall, processor)) = self.started.take() {
             self.wall.push(wall.elapsed().as_secs_f64());
             self.processor
                 .push((processor_time() - processor).as_secs_f64());
-            self.stages.push(stages);
+            self.timings.push(timings);
         }
     }
 }
 
-/// Medians over the frames. Stages are given in processor time: their share of the threads'
+/// Medians over the frames. FrameTimings are given in processor time: their share of the threads'
 /// time, times the processor time of the frame, which stays true on a machine with other work.
 pub fn report(clock: &Clock, view: &View, lights: &Lights) -> Value {
     let pixels = f64::from(view.width) * f64::from(view.height);
-    let frames = clock.stages.iter().zip(&clock.processor);
-    let shares: Vec<Vec<f64>> = frames.map(|(s, &seconds)| shares(s, seconds)).collect();
+    let frames = clock.timings.iter().zip(&clock.processor);
+    let shares: Vec<Vec<f64>> = frames.map(|(t, &seconds)| shares(t, seconds)).collect();
     let per_pixel = |seconds: f64| 1e9 * seconds / pixels;
-    let stage = |(k, (name, _)): (usize, (&str, Duration))| {
+    let stage = |(k, name): (usize, &str)| {
         let seconds = median(shares.iter().map(|s| s[k]).collect());
         json!({ "stage": name, "processor_ms": 1e3 * seconds, "ns_per_pixel": per_pixel(seconds) })
     };
-    let table = Stages::default().table();
-    let indirect: Vec<usize> = (0..table.len())
-        .filter(|&k| ["cell_lookup", "inputs", "nets"].contains(&table[k].0))
-        .collect();
-    let of_nets = shares.iter().map(|s| indirect.iter().map(|&k| s[k]).sum());
+    let stages = FrameStage::NAMES.into_iter().enumerate().map(stage);
+    let of_nets = FrameStage::OF_NETS.map(|stage| stage as usize);
+    let of_nets = shares.iter().map(|s| of_nets.iter().map(|&k| s[k]).sum());
     let wall = median(clock.wall.clone());
     json!({
         "size": [view.width, view.height],
@@ -59,25 +57,25 @@ pub fn report(clock: &Clock, view: &View, lights: &Lights) -> Value {
         "frames_per_second": 1.0 / wall,
         "processor_ms": 1e3 * median(clock.processor.clone()),
         "indirect_ns_per_pixel_and_core": per_pixel(median(of_nets.collect())),
-        "stages": table.into_iter().enumerate().map(stage).collect::<Vec<Value>>(),
+        "stages": stages.collect::<Vec<Value>>(),
     })
 }
 
 /// A frame's processor time shared out over its stages by their thread time.
-fn shares(stages: &Stages, processor: f64) -> Vec<f64> {
-    let times = stages.table().map(|(_, time)| time.as_secs_f64());
+fn shares(timings: &FrameTimings, processor: f64) -> Vec<f64> {
+    let times = timings.0.map(|time| time.as_secs_f64());
     let sum = times.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     times.iter().map(|time| processor * time / sum).collect()
 }
 
 /// Writes the report to a file, or to standard output for `-`.
-pub fn write(target: &Path, report: &Value) -> anyhow::Result<()> {
+pub fn write_report(target: &Path, report: &Value) -> anyhow::Result<()> {
     let text = format!("{report:#}\n");
     if target.as_os_str() == "-" {
         print!("{text}");
         return Ok(());
     }
-    std::fs::write(target, text).with_context(|| format!("{}: not written", target.display()))
+    std::fs::write(target, text).with_context(|| format!("{}: cannot be written", target.display()))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

@@ -1,4 +1,4 @@
-//! Which answers of a model are to be believed.
+//! Trust in a model's answers.
 
 use rrf_field::tree::Domain;
 use rrf_store::model::{CellMetrics, ModelTree};
@@ -24,7 +24,7 @@ pub fn distrust(tree: &mut ModelTree, metrics: &[CellMetrics], most: f64) {
     }
 }
 
-/// What the rows of each cell span, by cell.
+/// The box that the rows of each cell span, by cell.
 pub fn spans(tree: &ModelTree) -> Vec<Option<Domain>> {
     let mut spans = vec![None; tree.tree.cells()];
     for (node, cell) in tree.leaves() {

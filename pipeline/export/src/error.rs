@@ -34,6 +34,11 @@ pub enum ExportError {
 }
 
 impl ExportError {
+    /// Whether other input is needed; otherwise the same could succeed if tried again.
+    pub fn is_bad_input(&self) -> bool {
+        !matches!(self, ExportError::Write { .. })
+    }
+
     pub(crate) fn write(path: &std::path::Path, reason: impl ToString) -> ExportError {
         ExportError::Write {
             path: path.to_path_buf(),

@@ -11,7 +11,7 @@ pub struct Frame {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// What the frame shows: the sum of the parts that were asked for.
+    /// The frame's picture: the sum of the parts that were asked for.
     pub full: Vec<Vec3>,
     /// Light from the lamps to the eye by at most one bounce, lamps seen directly included.
     pub direct: Option<Vec<Vec3>>,

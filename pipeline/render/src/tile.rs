@@ -13,7 +13,7 @@ pub const WIDTH: u32 = 64;
 /// Height of a tile.
 pub const HEIGHT: u32 = 32;
 
-/// Where camera rays pass, in pixels from the centre of their square (of a sub-square, if a
+/// Place of camera rays in pixels from the centre of their square (of a sub-square, if a
 /// pixel has several). Not quite through it: symmetric scenes put edges exactly there, and a
 /// point on an edge of two walls sees past both of them.
 pub const OFF_CENTRE: [f32; 2] = [1.0 / 256.0, 1.0 / 384.0];
@@ -47,7 +47,7 @@ impl Tile {
 /// The surface points that a tile's camera rays meet; rays that miss have no row.
 /// Made once a thread and used for tile after tile.
 #[derive(Clone, Debug, Default)]
-pub struct Visible {
+pub struct VisiblePoints {
     /// Raw columns, the light's left at zero.
     pub rows: Columns,
     /// Surface point of each row.
@@ -65,16 +65,16 @@ pub struct Visible {
     hits: Hits,
 }
 
-impl Visible {
-    /// What `aa` x `aa` rays a pixel see along one row of pixels.
-    pub fn of_row(tracer: &Tracer, view: &View, y: u32, aa: u32) -> Visible {
+impl VisiblePoints {
+    /// The points that `aa` x `aa` rays a pixel meet along one row of pixels.
+    pub fn of_row(tracer: &Tracer, view: &View, y: u32, aa: u32) -> VisiblePoints {
         let tile = Tile {
             x: 0,
             y,
             width: view.width,
             height: 1,
         };
-        let mut seen = Visible::default();
+        let mut seen = VisiblePoints::default();
         seen.shoot(tracer, view, tile, aa);
         seen.read_hits(tracer);
         seen

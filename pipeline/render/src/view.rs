@@ -1,4 +1,4 @@
-//! Where one looks from, and what shines.
+//! Views and lights of a frame.
 
 use crate::error::RenderError;
 use glam::{Vec2, Vec3};
@@ -79,7 +79,7 @@ impl View {
         self.lens().direction(x, y)
     }
 
-    /// What all of the view's rays share.
+    /// The picture plane, which all of the view's rays share.
     pub fn lens(&self) -> Lens {
         let size = Vec2::new(self.width as f32, self.height as f32);
         Lens {
@@ -113,7 +113,7 @@ impl Lens {
     }
 }
 
-/// What shines in a frame.
+/// Lights of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lights {
     /// Point lights.

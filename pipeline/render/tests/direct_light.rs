@@ -9,7 +9,8 @@ use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_render::{
-    Lamps, Lights, OFF_CENTRE, Part, RenderOptions, ShadowRays, View, render, trace_frame,
+    AreaLights, Lights, OFF_CENTRE, Part, PathOptions, RenderOptions, ShadowRays, View, render,
+    trace_frame,
 };
 use rrf_scene::{AreaLight, INVALID, Material, PointLight, Scene};
 use rrf_trace::Tracer;
@@ -99,11 +100,11 @@ fn frames(scene: &Scene, lights: &Lights, count: u32, adaptive: bool) -> Vec<Vec
     let tracer = Tracer::new(scene).unwrap();
     let field = field();
     let light_box = [Vec3::splat(-1.0), Vec3::ONE];
-    let lamps = Lamps::new(scene, &field, light_box, |_| true).unwrap();
+    let lamps = AreaLights::new(scene, &field, light_box, |_| true).unwrap();
     let frame = |seed| {
         let options = RenderOptions {
             part: Part::Direct,
-            lamps: Some(&lamps),
+            area_lights: Some(&lamps),
             shadow_rays: Some(ShadowRays {
                 count,
                 adaptive,
@@ -272,7 +273,12 @@ fn a_large_hidden_lamp_against_the_path_tracer() {
     let tracer = Tracer::new(&lit).unwrap();
     let traced: Vec<Vec<f64>> = (1..=SEEDS)
         .map(|seed| {
-            let frame = trace_frame(&tracer, &view(), &lights, 16, 1, seed, &|_| {}).unwrap();
+            let options = PathOptions {
+                spp: 16,
+                aa: 1,
+                seed,
+            };
+            let frame = trace_frame(&tracer, &view(), &lights, options, &|_| {}).unwrap();
             frame
                 .direct
                 .unwrap()

@@ -37,17 +37,17 @@ fn a_frame_survives_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frame.exr");
     let mut frame = frame();
-    exr::write(&path, &frame).unwrap();
-    let read = exr::read_frame(&path).unwrap();
+    exr::write_exr(&path, &frame).unwrap();
+    let read = exr::read_exr_frame(&path).unwrap();
     // OpenEXR text is Latin-1: the Greek letter is escaped.
     frame.attributes[0].1 = "0,1,2 \\u{3c0}".to_string();
     assert!(read == frame, "{:?}", read.attributes);
-    assert_eq!(exr::read(&path).unwrap(), frame.picture());
-    let direct = exr::read_layer(&path, "direct").unwrap();
+    assert_eq!(exr::read_exr(&path).unwrap(), frame.picture());
+    let direct = exr::read_exr_layer(&path, "direct").unwrap();
     assert_eq!(Some(direct.pixels), frame.direct);
     // Two writes, the same bytes; nothing else left in the folder.
     let first = std::fs::read(&path).unwrap();
-    exr::write(&path, &frame).unwrap();
+    exr::write_exr(&path, &frame).unwrap();
     assert!(first == std::fs::read(&path).unwrap(), "the same bytes");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
@@ -56,12 +56,12 @@ fn a_frame_survives_bit_for_bit() {
 fn what_cannot_be_read_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frame.exr");
-    let missing = exr::read(&path).unwrap_err();
+    let missing = exr::read_exr(&path).unwrap_err();
     assert!(matches!(missing, RenderError::Read { .. }), "{missing}");
     assert!(missing.is_bad_input());
 
-    exr::write(&path, &frame()).unwrap();
-    let layer = exr::read_layer(&path, "albedo").unwrap_err();
+    exr::write_exr(&path, &frame()).unwrap();
+    let layer = exr::read_exr_layer(&path, "albedo").unwrap_err();
     assert!(
         layer
             .to_string()
@@ -71,7 +71,7 @@ fn what_cannot_be_read_is_refused_by_name() {
     let bytes = std::fs::read(&path).unwrap();
     for length in [0, 1, 4, 100, bytes.len() / 2, bytes.len() - 1] {
         std::fs::write(&path, &bytes[..length]).unwrap();
-        let cut = exr::read(&path).unwrap_err();
+        let cut = exr::read_exr(&path).unwrap_err();
         assert!(matches!(cut, RenderError::Read { .. }), "{length}: {cut}");
     }
     // Any one byte of the header or of the first pixels damaged: an error or a picture, no panic.
@@ -79,7 +79,7 @@ fn what_cannot_be_read_is_refused_by_name() {
         let mut damaged = bytes.clone();
         damaged[at] ^= 0x55;
         std::fs::write(&path, damaged).unwrap();
-        let _ = exr::read(&path);
+        let _ = exr::read_exr(&path);
     }
 }
 
@@ -87,17 +87,17 @@ fn what_cannot_be_read_is_refused_by_name() {
 fn what_cannot_be_written_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("none").join("frame.exr");
-    let refused = exr::write(&path, &frame()).unwrap_err();
+    let refused = exr::write_exr(&path, &frame()).unwrap_err();
     assert!(matches!(refused, RenderError::Write { .. }));
     assert!(!refused.is_bad_input());
     let path = folder.path().join("frame.png");
     std::fs::create_dir(&path).unwrap();
     let shown = png::cell_map(&frame());
-    assert!(png::write(&path, &shown).is_err());
+    assert!(png::write_png(&path, &shown).is_err());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let mut short = frame();
     short.full.pop();
-    assert!(exr::write(&folder.path().join("short.exr"), &short).is_err());
+    assert!(exr::write_exr(&folder.path().join("short.exr"), &short).is_err());
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn a_png_shows_the_exposed_picture() {
     let mut frame = frame();
     frame.full[0] = Vec3::new(0.25, 0.5, 4.0);
     let shown = png::tone_mapped(&frame.picture(), Exposure { ev: -1.0 });
-    png::write(&path, &shown).unwrap();
+    png::write_png(&path, &shown).unwrap();
     let read = image::open(&path).unwrap().to_rgb8();
     assert_eq!(read.dimensions(), (37, 21));
     // sRGB of 0.125, 0.25 and 2 (clipped): 99, 137, 255 (IEC 61966-2-1).

@@ -10,8 +10,8 @@ use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_metrics::color::luminance;
 use rrf_render::{
-    Frame, Lights, Negative, OFF_CENTRE, Part, RenderError, RenderOptions, View, render,
-    trace_frame, trace_untrusted,
+    Frame, Lights, OFF_CENTRE, Part, PathOptions, RenderError, RenderOptions, Surroundings, View,
+    render, trace_frame, trace_untrusted,
 };
 use rrf_scene::{AreaLight, INVALID, Material, PointLight, Scene};
 use rrf_trace::Tracer;
@@ -60,6 +60,10 @@ fn point(position: [f32; 3], intensity: [f32; 3]) -> PointLight {
         position: position.into(),
         intensity: intensity.into(),
     }
+}
+
+fn paths(spp: u32, aa: u32, seed: u64) -> PathOptions {
+    PathOptions { spp, aa, seed }
 }
 
 fn lights(points: Vec<PointLight>) -> Lights {
@@ -188,29 +192,55 @@ fn indirect_light_is_the_intensity_weighted_sum_of_the_nets() {
 }
 
 #[test]
-fn negative_radiance_stays_unless_told_otherwise() {
+fn negative_radiance_stays() {
     let scene = floor(false);
     let tracer = Tracer::new(&scene).unwrap();
     let lights = lights(vec![point([-0.4, 0.1, 0.7], [1.0; 3])]);
-    let frame = |negative| {
-        let options = RenderOptions {
-            negative,
-            ..RenderOptions::default()
-        };
-        render(&tracer, &linear_field(), &above([8, 8]), &lights, &options).unwrap()
+    let options = RenderOptions::default();
+    let frame = render(&tracer, &linear_field(), &above([8, 8]), &lights, &options).unwrap();
+    assert!(frame.indirect.unwrap().iter().any(|p| p.y < -0.1));
+}
+
+/// What lies above z = 10 is solid: each odd place is told once, in the order of the lights.
+#[test]
+fn odd_places_are_told() {
+    let scene = floor(false);
+    let surroundings = Surroundings {
+        tracer: &Tracer::new(&scene).unwrap(),
+        inside_solid: &|p| p.z > 10.0,
+        light_box: [Vec3::splat(-1.0), Vec3::ONE],
+        eye_box: Some([Vec3::splat(-1.0), Vec3::splat(50.0)]),
     };
-    let (kept, zero) = (frame(Negative::Keep), frame(Negative::Zero));
-    let (kept_layer, zero_layer) = (kept.indirect.unwrap(), zero.indirect.unwrap());
-    assert!(kept_layer.iter().any(|p| p.y < -0.1));
-    for (kept, zero) in kept_layer.iter().zip(zero_layer) {
-        assert_eq!(kept.max(Vec3::ZERO), zero);
-    }
-    let fact = |frame: &[(String, String)]| {
-        let found = frame.iter().find(|(name, _)| name == "rrf.negative");
-        found.unwrap().1.clone()
+    let told = |eye: [f32; 3], lights: &[[f32; 3]]| {
+        let lights = lights.iter().map(|&l| Vec3::from(l));
+        let warnings = surroundings.warnings(eye.into(), lights);
+        let told = warnings.into_iter().map(|w| (w.is_fatal, w.message));
+        told.collect::<Vec<_>>()
     };
-    assert_eq!(fact(&kept.attributes), "Keep");
-    assert_eq!(fact(&zero.attributes), "Zero");
+    let expect = |told: &[(bool, String)], wanted: &[(bool, &str)]| {
+        assert_eq!(told.len(), wanted.len(), "{told:?}");
+        for ((fatal, said), (wanted_fatal, words)) in told.iter().zip(wanted) {
+            assert!(fatal == wanted_fatal && said.starts_with(words), "{said}");
+        }
+    };
+    let lights = [[0.0, 0.0, 0.06], [0.5, 0.0, 0.0], [0.0, 0.0, 11.0]];
+    let wanted = [
+        (true, "the eye at 0,0,20 is inside a solid"),
+        (
+            false,
+            "point light 0 at 0,0,0.06 is 0.06 from a surface; below 0.0866",
+        ),
+        (true, "point light 1 at 0.5,0,0 lies on a surface"),
+        (true, "point light 2 at 0,0,11 is inside a solid"),
+        (
+            false,
+            "point light 2 at 0,0,11 is outside the baked light box -1,-1,-1 to 1,1,1",
+        ),
+    ];
+    expect(&told([0.0, 0.0, 20.0], &lights), &wanted);
+    let outside = "the eye at 0,0,-2.8 is outside the eye box -1,-1,-1 to 50,50,50";
+    expect(&told([0.0, 0.0, -2.800_000_2], &[]), &[(false, outside)]);
+    expect(&told([0.0, 0.0, 1.0], &[[0.0, 0.0, 0.5]]), &[]);
 }
 
 fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -228,7 +258,7 @@ fn one_thread_and_two_give_the_same_bits() {
         let options = RenderOptions::default();
         render(&tracer, &linear_field(), &view, &lights, &options).unwrap()
     };
-    let traced = || trace_frame(&tracer, &view, &lights, 8, 2, 7, &|_| ()).unwrap();
+    let traced = || trace_frame(&tracer, &view, &lights, paths(8, 2, 7), &|_| ()).unwrap();
     assert!(on_threads(1, baked) == on_threads(2, baked));
     assert!(on_threads(1, traced) == on_threads(2, traced));
 }
@@ -245,7 +275,8 @@ fn traced_and_rendered_frames_share_their_pixels() {
             ..RenderOptions::default()
         };
         let baked = render(&tracer, &linear_field(), &view, &lights, &options).unwrap();
-        let traced = trace_frame(&tracer, &view, &lights, 2 * aa * aa, aa, 1, &|_| ()).unwrap();
+        let traced =
+            trace_frame(&tracer, &view, &lights, paths(2 * aa * aa, aa, 1), &|_| ()).unwrap();
         assert!(baked.direct == traced.direct);
     }
 }
@@ -270,7 +301,8 @@ fn what_cannot_be_rendered_is_refused() {
         ]);
         let refused = render(&tracer, &field, &above([4, 4]), &bad, &options).unwrap_err();
         assert!(matches!(refused, RenderError::Light { light: 1 }));
-        let refused = trace_frame(&tracer, &above([4, 4]), &none, 6, 2, 1, &|_| ()).unwrap_err();
+        let refused =
+            trace_frame(&tracer, &above([4, 4]), &none, paths(6, 2, 1), &|_| ()).unwrap_err();
         assert!(matches!(
             refused,
             RenderError::Samples { samples: 6, aa: 2 }
@@ -322,7 +354,7 @@ fn pixels_on_edges_are_lit() {
     let middle = Vec3::splat(0.5);
     let view = View::look_at(middle, Vec3::new(0.5, 0.5, 0.0), Vec3::Y, 120.0, [64, 64]);
     let lights = lights(vec![point([0.5; 3], [1.0; 3])]);
-    let frame = trace_frame(&tracer, &view, &lights, 128, 1, 1, &|_| ()).unwrap();
+    let frame = trace_frame(&tracer, &view, &lights, paths(128, 1, 1), &|_| ()).unwrap();
     let indirect = frame.indirect.unwrap();
     for i in 4..18usize {
         let at = |x: usize| indirect[i * 64 + x].x;
@@ -352,13 +384,14 @@ fn untrusted_pixels_are_path_traced() {
     let fall_back = |threads| {
         let mut frame = nets.clone();
         let traced = on_threads(threads, || {
-            trace_untrusted(&tracer, &view, &lights, &mut frame, 64, 1, 7)
+            trace_untrusted(&tracer, &view, &lights, &mut frame, paths(64, 1, 7))
         });
         (traced.unwrap(), frame)
     };
     let (count, mixed) = fall_back(1);
     assert_eq!((count, &mixed), (fall_back(2).0, &fall_back(2).1));
-    let reference = |seed| trace_frame(&tracer, &view, &lights, 64, 1, seed, &|_| ()).unwrap();
+    let reference =
+        |seed| trace_frame(&tracer, &view, &lights, paths(64, 1, seed), &|_| ()).unwrap();
     let (one, two) = (reference(1), reference(2));
     let layer = |frame: &Frame, i: usize| f64::from(luminance(frame.indirect.as_ref().unwrap()[i]));
     let (mut apart, mut variance, mut untrusted) = (0.0, 0.0, 0);

@@ -182,7 +182,7 @@ function connect() {
       picks.delete(message.id);
       if (then && message.picked) then(message.picked);
     } else if (message.error) {
-      notices([message.error]);
+      warnings([message.error]);
       answered();
     } else facts = message;
   };
@@ -228,12 +228,12 @@ function told(f) {
   shownExposure = f.exposure;
   if (exposure === null) $("exposure").value = f.exposure;
   $("stops").textContent = `${f.exposure >= 0 ? "+" : "\u2212"}${Math.abs(f.exposure).toFixed(2)}`;
-  notices(f.notices);
+  warnings(f.warnings);
   tellCommand();
 }
 
-function notices(lines) {
-  $("notices").replaceChildren(...lines.map((line) => Object.assign(document.createElement("li"), { textContent: line })));
+function warnings(lines) {
+  $("warnings").replaceChildren(...lines.map((line) => Object.assign(document.createElement("li"), { textContent: line })));
 }
 
 // ---- lights

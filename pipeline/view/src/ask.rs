@@ -1,4 +1,4 @@
-//! What a page can ask for: a view, its lights, and what to show of them.
+//! Questions of a page: a view, its lights, and the layer to show.
 
 use glam::Vec3;
 use rrf_render::{Lights, View};
@@ -10,10 +10,10 @@ pub const LARGEST_SIDE: u32 = 2048;
 /// Most lights of a live picture.
 pub const MOST_LIGHTS: usize = 64;
 
-/// What a picture shows.
+/// Layer that a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Mode {
+pub enum ShownLayer {
     /// Direct and indirect light.
     #[default]
     Full,
@@ -23,7 +23,7 @@ pub enum Mode {
     Indirect,
     /// Which net lit each pixel.
     Cells,
-    /// Where the nets were trained.
+    /// Places for which the nets were trained.
     Trust,
 }
 
@@ -42,9 +42,9 @@ pub struct Ask {
     fov: f32,
     size: [u32; 2],
     lights: Vec<[f32; 6]>,
-    /// What to show.
+    /// The layer to show.
     #[serde(default)]
-    pub mode: Mode,
+    pub mode: ShownLayer,
     /// Exposure in stops; none to have it chosen from the picture.
     #[serde(default)]
     pub exposure: Option<f32>,
@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(ask.lights().points[0].position, Vec3::Y);
         assert_eq!(
             (ask.mode, ask.exposure, ask.pick),
-            (Mode::Cells, None, None)
+            (ShownLayer::Cells, None, None)
         );
     }
 

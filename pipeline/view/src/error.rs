@@ -1,6 +1,6 @@
-//! Why the page cannot be served.
+//! Errors of serving the page.
 
-/// What went wrong.
+/// An error of the page's server.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
     /// The port is taken or not allowed.
@@ -22,4 +22,11 @@ pub enum ViewError {
     /// The listening socket fails.
     #[error("the page's server failed: {0}")]
     Accept(std::io::Error),
+}
+
+impl ViewError {
+    /// Whether other input is needed; otherwise the same could succeed if tried again.
+    pub fn is_bad_input(&self) -> bool {
+        matches!(self, ViewError::Bind { .. })
+    }
 }

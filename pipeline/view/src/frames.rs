@@ -1,12 +1,12 @@
 //! The socket of live frames: a question, a frame.
 
-use crate::ask::{Ask, Mode};
+use crate::ask::{Ask, ShownLayer};
 use crate::pixels;
 use crate::show::Show;
 use crate::socket::{Ended, Socket};
 use glam::Vec3;
 use rrf_metrics::tone::Exposure;
-use rrf_render::{Frame, Part, RenderError, RenderOptions, Renderer};
+use rrf_render::{Frame, FrameStage, Part, RenderError, RenderOptions, Renderer};
 use rrf_trace::{Hits, Rays};
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -46,34 +46,33 @@ fn answer(
     frame: &mut Frame,
 ) -> Result<(Value, Vec<u8>), RenderError> {
     let start = Instant::now();
-    let stages = renderer.render(&ask.view(), &ask.lights(), &options(show, ask.mode), frame)?;
+    let timings = renderer.render(&ask.view(), &ask.lights(), &options(show, ask.mode), frame)?;
     let rendered = start.elapsed();
     let exposure = exposure(ask, frame);
     let bytes = pixels::shown(frame, ask.mode, exposure);
-    let stages = stages
-        .table()
-        .map(|(name, time)| (name, 1e3 * time.as_secs_f64()));
+    let times = timings.0.map(|time| 1e3 * time.as_secs_f64());
+    let thread_ms: Vec<(&str, f64)> = FrameStage::NAMES.into_iter().zip(times).collect();
     let facts = json!({
         "id": ask.id,
         "size": [frame.width, frame.height],
         "render_ms": 1e3 * rendered.as_secs_f64(),
         "frame_ms": 1e3 * start.elapsed().as_secs_f64(),
-        "thread_ms": stages,
+        "thread_ms": thread_ms,
         "exposure": exposure.ev,
-        "notices": show.notices(ask),
+        "warnings": show.warnings(ask),
     });
     Ok((facts, bytes))
 }
 
-/// How a mode's frame is made.
-pub fn options<'a>(show: &Show<'a>, mode: Mode) -> RenderOptions<'a> {
+/// Options of a layer's frame.
+pub fn options<'a>(show: &Show<'a>, mode: ShownLayer) -> RenderOptions<'a> {
     RenderOptions {
         part: match mode {
-            Mode::Full => Part::Full,
-            Mode::Direct => Part::Direct,
+            ShownLayer::Full => Part::Full,
+            ShownLayer::Direct => Part::Direct,
             _ => Part::Indirect,
         },
-        trusted: (mode == Mode::Trust).then_some(show.trusted),
+        trusted: (mode == ShownLayer::Trust).then_some(show.trusted),
         ..RenderOptions::default()
     }
 }
@@ -93,7 +92,7 @@ fn pick(show: &Show, ask: &Ask, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
     }
     let (mut rays, mut hits) = (Rays::default(), Hits::default());
     rays.push(view.eye, direction, f32::INFINITY);
-    show.tracer.closest(&rays, &mut hits);
+    show.tracer().closest(&rays, &mut hits);
     let t = hits.t.first().filter(|t| t.is_finite())?;
     Some(Vec3::to_array(&(view.eye + *t * direction)))
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 const LONGEST: usize = 16 * 1024;
 /// Most header lines.
 const MOST_HEADERS: usize = 64;
-/// How long a request's head may take.
+/// Time that a request's head may take.
 pub const PATIENCE: Duration = Duration::from_secs(5);
 
 /// A request's head.
@@ -23,11 +23,11 @@ pub struct Head {
     upgrade: bool,
     /// `Sec-WebSocket-Key`.
     pub key: Option<String>,
-    /// What was read beyond the head.
+    /// Bytes that were read beyond the head.
     pub rest: Vec<u8>,
 }
 
-/// What a request is let in for.
+/// Purpose of a request that is let in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// The page itself.
@@ -38,7 +38,7 @@ pub enum Way {
     Trace,
 }
 
-/// Why a request is not let in: status line and body.
+/// Answer to a request that is not let in: status line and body.
 pub type Refusal = (&'static str, &'static str);
 
 const BAD: Refusal = (
@@ -117,7 +117,7 @@ fn parse(bytes: &[u8]) -> Result<Option<Head>, Refusal> {
 }
 
 impl Head {
-    /// Where the request goes, if it may. `Host` has to be this machine's loopback name and
+    /// The request's purpose, if it may come in. `Host` has to be this machine's loopback name and
     /// `Origin`, which a WebSocket must have, this server: a name that someone else's page
     /// made to resolve here (DNS rebinding) is neither.
     pub fn admit(&self, port: u16, token: &str) -> Result<Way, Refusal> {

@@ -1,6 +1,6 @@
 //! Frames as a screen's bytes: R, G, B and 255, row by row from the top left.
 
-use crate::ask::Mode;
+use crate::ask::ShownLayer;
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_metrics::relative::{channel_mean, epsilon_of, inverse_level};
@@ -24,13 +24,13 @@ const RUN: usize = 4096;
 pub const FULL_DIFFERENCE: f32 = 0.5;
 
 /// A frame by its mode; `frame.full` holds the part asked for.
-pub fn shown(frame: &Frame, mode: Mode, exposure: Exposure) -> Vec<u8> {
+pub fn shown(frame: &Frame, mode: ShownLayer, exposure: Exposure) -> Vec<u8> {
     match mode {
-        Mode::Cells => {
+        ShownLayer::Cells => {
             let cells = frame.cell.as_deref().unwrap_or_default();
             coded(cells, |&cell| png::cell_color(cell))
         }
-        Mode::Trust => trust(frame, exposure),
+        ShownLayer::Trust => trust(frame, exposure),
         _ => exposed(&frame.full, exposure),
     }
 }
@@ -68,7 +68,7 @@ fn trust(frame: &Frame, exposure: Exposure) -> Vec<u8> {
     })
 }
 
-/// How far the channel means of `test` are from those of `reference`, divided as in the relative
+/// Differences of the channel means of `test` from those of `reference`, divided as in the relative
 /// error: red where too bright, blue where too dark, full colour at [`FULL_DIFFERENCE`].
 pub fn difference(reference: &Picture, test: &Picture) -> Vec<u8> {
     let rows = |picture: &'_ Picture| -> Vec<[f64; 3]> {

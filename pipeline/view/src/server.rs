@@ -70,12 +70,12 @@ impl Server {
         })
     }
 
-    /// Where the page is, token included.
+    /// URL of the page, token included.
     pub fn url(&self) -> String {
         format!("http://{}/?token={}", self.address, self.token)
     }
 
-    /// What ends it.
+    /// A handle that ends it.
     pub fn stopper(&self) -> Stopper {
         Stopper {
             address: self.address,

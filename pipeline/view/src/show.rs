@@ -1,45 +1,43 @@
-//! What is shown: a scene, its nets, and where one starts.
+//! The baked scene that pages show, and the view that they start with.
 
 use crate::ask::Ask;
-use glam::Vec3;
 use rrf_field::Field;
-use rrf_render::{Lights, Renderer, Trusted, View, notices, on_surface};
+use rrf_render::{Renderer, Surroundings, Trusted, View};
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
 use serde_json::{Value, json};
 
 /// A baked scene to look at.
 pub struct Show<'a> {
-    /// The scene as baked, without its own lights.
-    pub tracer: &'a Tracer<'a>,
+    /// The scene as baked, without its own lights, and the boxes that it was baked for.
+    pub surroundings: Surroundings<'a>,
     /// The nets.
     pub field: &'a Field,
     /// Which rows the nets were trained for.
     pub trusted: &'a Trusted<'a>,
-    /// Whether a free place is inside a solid.
-    pub inside_solid: &'a (dyn Fn(Vec3) -> bool + Sync),
-    /// Least and greatest corner of the baked light box.
-    pub light_box: [Vec3; 2],
-    /// The same of the box that eyes were expected in.
-    pub eye_box: Option<[Vec3; 2]>,
-    /// Where the page starts to look from.
+    /// The view that a page starts with.
     pub view: View,
-    /// What shines at first.
+    /// The lights that it starts with.
     pub lights: Vec<PointLight>,
     /// The run folder, as the equivalent command names it.
     pub run: String,
 }
 
 impl<'a> Show<'a> {
-    /// A renderer for one viewer.
-    pub fn renderer(&self) -> Renderer<'a> {
-        Renderer::new(self.tracer, self.field)
+    /// The scene's tracer.
+    pub fn tracer(&self) -> &'a Tracer<'a> {
+        self.surroundings.tracer
     }
 
-    /// What a page has to know before its first question.
+    /// A renderer for one viewer.
+    pub fn renderer(&self) -> Renderer<'a> {
+        Renderer::new(self.tracer(), self.field)
+    }
+
+    /// Facts that a page needs before its first question.
     pub fn hello(&self) -> Value {
-        let view = &self.view;
-        let bounds = self.tracer.scene().bounds();
+        let (view, scene) = (&self.view, self.tracer().scene());
+        let bounds = scene.bounds();
         let [low, high] = bounds.map_or([[0.0; 3], [1.0; 3]], |b| [b.min, b.max]);
         let light = |l: &PointLight| [l.position.to_array(), l.intensity.to_array()].concat();
         json!({
@@ -51,33 +49,20 @@ impl<'a> Show<'a> {
             "fov": view.fov,
             "size": [view.width, view.height],
             "lights": self.lights.iter().map(light).collect::<Vec<_>>(),
-            "light_box": self.light_box.map(|corner| corner.to_array()),
+            "light_box": self.surroundings.light_box.map(|corner| corner.to_array()),
             "bounds": [low, high],
             "cells": self.field.models().len(),
-            "triangles": self.tracer.scene().triangles.len(),
+            "triangles": scene.triangles.len(),
         })
     }
 
-    /// What a viewer should know of a view and its lights, as sentences.
-    pub fn notices(&self, ask: &Ask) -> Vec<String> {
+    /// Warnings about a view and its lights.
+    pub fn warnings(&self, ask: &Ask) -> Vec<String> {
         let positions = ask.lights().points.into_iter().map(|light| light.position);
-        let told = notices(
-            ask.view().eye,
-            positions,
-            Some(self.light_box),
-            self.eye_box,
-            self.inside_solid,
-            |place| on_surface(self.tracer, place),
-            |place, reach| self.tracer.distance(place, reach),
-        );
-        told.iter().map(ToString::to_string).collect()
-    }
-
-    /// Point lights alone: the page's frames are those of the nets.
-    pub fn lights(points: Vec<PointLight>) -> Lights {
-        Lights {
-            points,
-            area: false,
-        }
+        let warnings = self.surroundings.warnings(ask.view().eye, positions);
+        warnings
+            .into_iter()
+            .map(|warning| warning.message)
+            .collect()
     }
 }

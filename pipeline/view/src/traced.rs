@@ -8,7 +8,7 @@ use crate::socket::{Ended, Socket};
 use glam::Vec3;
 use rayon::ThreadPool;
 use rrf_metrics::{MetricsError, Picture, compare};
-use rrf_render::{Frame, Part, RenderError, trace_frame};
+use rrf_render::{Frame, Part, PathOptions, RenderError, trace_frame};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -94,8 +94,12 @@ impl Work {
     fn pass(&mut self, show: &Show) -> Result<(), RenderError> {
         let start = Instant::now();
         let (view, lights) = (self.ask.view(), self.ask.lights());
-        let seed = SEED + u64::from(self.passes);
-        let frame = trace_frame(show.tracer, &view, &lights, PASS, 1, seed, &|_| {})?;
+        let paths = PathOptions {
+            spp: PASS,
+            aa: 1,
+            seed: SEED + u64::from(self.passes),
+        };
+        let frame = trace_frame(show.tracer(), &view, &lights, paths, &|_| {})?;
         let part = match options(show, self.ask.mode).part {
             Part::Full => Some(&frame.full),
             Part::Direct => frame.direct.as_ref(),

@@ -1,6 +1,7 @@
-//! What is worth knowing of each table.
+//! A summary of each table.
 
-use super::{Tables, sql};
+use super::tables::{Result, Tables, answer, unread};
+use crate::ReportError;
 use polars::prelude::{Column, DataFrame, DataType, IntoColumn, IntoLazy, NamedFrom, Series};
 use std::path::Path;
 
@@ -75,16 +76,14 @@ const QUESTIONS: [Question; 7] = [
 ];
 
 /// Sizes on disk, then each table's columns and figures.
-pub(super) fn sections(path: &Path, tables: &Tables) -> anyhow::Result<Vec<Section>> {
+pub(super) fn sections(path: &Path, tables: &Tables) -> Result<Vec<Section>> {
     let mut sections = vec![Section {
         title: "bytes".into(),
         frame: sizes(path)?,
     }];
     for (name, table) in tables {
-        let frame = table
-            .clone()
-            .collect()
-            .map_err(|e| crate::BadInput(format!("{}: table {name}: {e}", path.display())))?;
+        let refused = |e| ReportError::input(path, format!("table {name}: {e}"));
+        let frame = table.clone().collect().map_err(refused)?;
         sections.push(Section {
             title: format!("{name}: {} rows, {} columns", frame.height(), frame.width()),
             frame: columns(&frame)?,
@@ -94,7 +93,7 @@ pub(super) fn sections(path: &Path, tables: &Tables) -> anyhow::Result<Vec<Secti
         for question in QUESTIONS.iter().filter(here) {
             sections.push(Section {
                 title: format!("{name}: {}", question.title),
-                frame: sql(&alone, question.query)?,
+                frame: answer(&alone, question.query)?,
             });
         }
     }
@@ -102,7 +101,7 @@ pub(super) fn sections(path: &Path, tables: &Tables) -> anyhow::Result<Vec<Secti
 }
 
 /// Type, range, nulls and NaNs of every column; no range for texts and lists.
-fn columns(frame: &DataFrame) -> anyhow::Result<DataFrame> {
+fn columns(frame: &DataFrame) -> Result<DataFrame> {
     let (mut names, mut types, mut nulls, mut nans) = (vec![], vec![], vec![], vec![]);
     let (mut least, mut greatest, mut mean) = (vec![], vec![], vec![]);
     for column in frame.columns() {
@@ -134,7 +133,7 @@ fn columns(frame: &DataFrame) -> anyhow::Result<DataFrame> {
     ])?)
 }
 
-fn nan_count(column: &Column) -> anyhow::Result<u64> {
+fn nan_count(column: &Column) -> Result<u64> {
     if !column.dtype().is_float() {
         return Ok(0);
     }
@@ -142,15 +141,13 @@ fn nan_count(column: &Column) -> anyhow::Result<u64> {
 }
 
 /// Bytes of the file, or of what lies in each part of a folder.
-fn sizes(path: &Path) -> anyhow::Result<DataFrame> {
+fn sizes(path: &Path) -> Result<DataFrame> {
     let mut parts: Vec<(String, u64)> = Vec::new();
     if path.is_dir() {
-        for entry in std::fs::read_dir(path)? {
-            let entry = entry?;
-            parts.push((
-                entry.file_name().to_string_lossy().into_owned(),
-                bytes(&entry.path())?,
-            ));
+        for entry in std::fs::read_dir(path).map_err(unread(path))? {
+            let entry = entry.map_err(unread(path))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            parts.push((name, bytes(&entry.path())?));
         }
         parts.sort();
     } else {
@@ -163,13 +160,13 @@ fn sizes(path: &Path) -> anyhow::Result<DataFrame> {
     ])?)
 }
 
-fn bytes(path: &Path) -> anyhow::Result<u64> {
+fn bytes(path: &Path) -> Result<u64> {
     if !path.is_dir() {
-        return Ok(std::fs::symlink_metadata(path)?.len());
+        return Ok(std::fs::symlink_metadata(path).map_err(unread(path))?.len());
     }
     let mut sum = 0;
-    for entry in std::fs::read_dir(path)? {
-        sum += bytes(&entry?.path())?;
+    for entry in std::fs::read_dir(path).map_err(unread(path))? {
+        sum += bytes(&entry.map_err(unread(path))?.path())?;
     }
     Ok(sum)
 }

@@ -1,8 +1,7 @@
 //! From a path to tables.
 
-use super::Tables;
-use crate::BadInput;
-use anyhow::Context;
+use super::tables::{Result, Tables, unread};
+use crate::ReportError;
 use polars::prelude::{
     HiveOptions, IntoLazy, IpcReader, LazyFrame, PlRefPath, ScanArgsParquet, SerReader,
 };
@@ -10,12 +9,12 @@ use rrf_store::layout;
 use std::path::Path;
 
 /// A run's, a sweep's or a file's tables.
-pub(super) fn open(path: &Path) -> anyhow::Result<Tables> {
+pub(super) fn open(path: &Path) -> Result<Tables> {
     if path.is_file() {
         return Ok(vec![("self", file(path)?)]);
     }
     if !path.is_dir() {
-        return Err(BadInput(format!("{}: no such file or folder", path.display())).into());
+        return Err(ReportError::input(path, "no such file or folder"));
     }
     let mut tables = Tables::new();
     let results = path.join("results.parquet");
@@ -39,36 +38,30 @@ pub(super) fn open(path: &Path) -> anyhow::Result<Tables> {
         tables.push(("self", parquet(path)?));
     }
     if tables.is_empty() {
-        return Err(BadInput(format!(
-            "{}: neither a run (samples/, model/), nor a sweep (results.parquet), nor a folder of \
-             Parquet files: name one, or a Parquet or Arrow file",
-            path.display()
-        ))
-        .into());
+        let told = "neither a run (samples/, model/), nor a sweep (results.parquet), nor a folder of \
+                    Parquet files; name one, or a Parquet or Arrow file";
+        return Err(ReportError::input(path, told));
     }
     Ok(tables)
 }
 
 /// One file, by its first bytes: endings can lie.
-fn file(path: &Path) -> anyhow::Result<LazyFrame> {
+fn file(path: &Path) -> Result<LazyFrame> {
     let mut magic = [0u8; 6];
-    let mut file =
-        std::fs::File::open(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    let read = std::io::Read::read(&mut file, &mut magic)
-        .with_context(|| format!("{}: cannot be read", path.display()))?;
+    let mut file = std::fs::File::open(path).map_err(unread(path))?;
+    let read = std::io::Read::read(&mut file, &mut magic).map_err(unread(path))?;
     match &magic[..read] {
         [b'P', b'A', b'R', b'1', ..] => parquet(path),
         b"ARROW1" => arrow(path),
-        _ => Err(BadInput(format!(
-            "{}: neither a Parquet nor an Arrow IPC file: name one, or a run's folder",
-            path.display()
-        ))
-        .into()),
+        _ => {
+            let told = "neither a Parquet nor an Arrow IPC file; name one, or a run's folder";
+            Err(ReportError::input(path, told))
+        }
     }
 }
 
-fn parquet(path: &Path) -> anyhow::Result<LazyFrame> {
-    let refused = |e: polars::error::PolarsError| BadInput(format!("{}: {e}", path.display()));
+fn parquet(path: &Path) -> Result<LazyFrame> {
+    let refused = |e| ReportError::input(path, e);
     let args = ScanArgsParquet {
         hive_options: HiveOptions {
             enabled: Some(path.is_dir()),
@@ -77,16 +70,13 @@ fn parquet(path: &Path) -> anyhow::Result<LazyFrame> {
         ..ScanArgsParquet::default()
     };
     let place = PlRefPath::try_from_path(path).map_err(refused)?;
-    Ok(LazyFrame::scan_parquet(place, args).map_err(refused)?)
+    LazyFrame::scan_parquet(place, args).map_err(refused)
 }
 
-fn arrow(path: &Path) -> anyhow::Result<LazyFrame> {
-    let file =
-        std::fs::File::open(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    let frame = IpcReader::new(file)
-        .finish()
-        .map_err(|e| BadInput(format!("{}: {e}", path.display())))?;
-    Ok(frame.lazy())
+fn arrow(path: &Path) -> Result<LazyFrame> {
+    let file = std::fs::File::open(path).map_err(unread(path))?;
+    let frame = IpcReader::new(file).finish();
+    Ok(frame.map_err(|e| ReportError::input(path, e))?.lazy())
 }
 
 /// Whether a Parquet file lies in the folder or in one of its folders.

@@ -1,14 +1,15 @@
 //! Frames for people and for programs.
 
 use super::glance::Section;
+use super::tables::Result;
 use polars::prelude::{AnyValue, DataFrame};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// One table.
-pub(super) fn frame(frame: &DataFrame, as_json: bool) -> anyhow::Result<()> {
+pub(super) fn frame(frame: &DataFrame, as_json: bool) -> Result<()> {
     if as_json {
-        println!("{}", serde_json::to_string_pretty(&rows(frame)?)?);
+        println!("{:#}", rows(frame)?);
     } else {
         println!("{}", text(frame));
     }
@@ -16,14 +17,14 @@ pub(super) fn frame(frame: &DataFrame, as_json: bool) -> anyhow::Result<()> {
 }
 
 /// Every section under its heading.
-pub(super) fn sections(path: &Path, sections: &[Section], as_json: bool) -> anyhow::Result<()> {
+pub(super) fn sections(path: &Path, sections: &[Section], as_json: bool) -> Result<()> {
     if as_json {
         let mut all = Map::new();
         for section in sections {
             all.insert(section.title.clone(), rows(&section.frame)?);
         }
         let page = json!({ "path": path.display().to_string(), "sections": all });
-        println!("{}", serde_json::to_string_pretty(&page)?);
+        println!("{page:#}");
         return Ok(());
     }
     println!("{}", path.display());
@@ -86,7 +87,7 @@ fn number(x: f64) -> String {
 }
 
 /// A list of objects; what JSON has no number for (NaN, infinities) is a text.
-fn rows(frame: &DataFrame) -> anyhow::Result<Value> {
+fn rows(frame: &DataFrame) -> Result<Value> {
     let mut rows = Vec::with_capacity(frame.height());
     for at in 0..frame.height() {
         let mut row = Map::new();

@@ -1,0 +1,156 @@
+//! Cameras, lights and pictures, as typed; the scene's own are the defaults.
+
+use super::parse::{parse_light, parse_size, parse_vec3};
+use crate::failure::BadInput;
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use rrf_bake::settings::parse::positive;
+use rrf_metrics::tone::Exposure;
+use rrf_render::{Lights, View, position_text};
+use rrf_scene::{PointLight, Scene};
+
+/// A camera and lights; what is not given comes from the scene.
+#[derive(Args, Clone, Debug)]
+pub struct CameraArgs {
+    /// Eye position.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    pub eye: Option<[f32; 3]>,
+    /// Point that the camera looks at.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true, requires = "eye")]
+    pub look_at: Option<[f32; 3]>,
+    /// Up direction.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_vec3, allow_hyphen_values = true, requires = "eye")]
+    pub up: Option<[f32; 3]>,
+    /// Turn image left and right around, as left-handed scenes' own cameras do.
+    #[arg(long, requires = "eye")]
+    pub mirror: bool,
+    /// Full angle of the shorter image side [degrees].
+    #[arg(long, value_name = "DEG", value_parser = positive)]
+    pub fov: Option<f32>,
+    /// Picture size in pixels; by default the scene camera's, with --eye 512x512.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// A point light: position and radiant intensity [W/sr] (again for more).
+    #[arg(long, value_name = "x,y,z[,r,g,b]", value_parser = parse_light, allow_hyphen_values = true)]
+    pub light: Vec<[f32; 6]>,
+    /// The scene's own lights shine beside those of --light.
+    #[arg(long)]
+    pub scene_lights: bool,
+}
+
+/// A view and the part of its light to show.
+#[derive(Args, Clone, Debug)]
+pub struct ViewArgs {
+    /// Camera and lights.
+    #[command(flatten)]
+    pub camera: CameraArgs,
+    /// Which part of the light the picture shows.
+    #[arg(long, value_enum, default_value_t = Part::Full)]
+    pub part: Part,
+    /// Camera rays a pixel are N x N.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub aa: u32,
+    /// Exposure of the PNG in stops; by default chosen from the picture and printed.
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
+    pub exposure: Option<f32>,
+}
+
+/// Which part of the light a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Part {
+    /// Direct and indirect.
+    Full,
+    /// Emission and light that arrives from the lights themselves.
+    Direct,
+    /// Light that arrives from other surfaces.
+    Indirect,
+}
+
+/// Which cells are believed.
+#[derive(Args, Clone, Debug)]
+pub struct TrustArgs {
+    /// Cells whose relative error on rows held out is above this, by more than two standard errors, are not trusted: 0.1 with
+    /// --fallback trace leaves to the nets what they know within 10 %.
+    #[arg(long, value_name = "ERROR", default_value_t = 0.5, value_parser = positive)]
+    pub trust_error: f32,
+}
+
+impl CameraArgs {
+    /// The view typed, over the scene's first camera.
+    pub fn view(&self, scene: &Scene) -> Result<View, BadInput> {
+        let camera = scene.cameras.first();
+        let mut view = match (self.eye, self.look_at, camera) {
+            (Some(eye), Some(target), _) => self.look_at(eye, target, camera.map(|c| c.fov))?,
+            (Some(_), None, _) => return Err(BadInput("--eye needs --look-at".into())),
+            (None, _, Some(camera)) => View::from(camera),
+            (None, _, None) => {
+                return Err(BadInput(
+                    "the scene has no camera; give --eye x,y,z --look-at x,y,z --fov DEG --size WxH"
+                        .into(),
+                ));
+            }
+        };
+        view.fov = self.fov.unwrap_or(view.fov);
+        if let Some([width, height]) = self.size {
+            (view.width, view.height) = (width, height);
+        }
+        if !(view.fov > 0.0 && view.fov < 180.0) {
+            let told = format!("--fov {}: has to lie between 0 and 180 degrees", view.fov);
+            return Err(BadInput(told));
+        }
+        Ok(view)
+    }
+
+    fn look_at(&self, eye: [f32; 3], target: [f32; 3], fov: Option<f32>) -> Result<View, BadInput> {
+        let up = Vec3::from(self.up.unwrap_or([0.0, 1.0, 0.0]));
+        let (eye, target) = (Vec3::from(eye), Vec3::from(target));
+        let forward = target - eye;
+        let across = forward.normalize_or_zero().cross(up.normalize_or_zero());
+        if across.length() < 1e-6 {
+            let [eye, target, up] = [eye, target, up].map(position_text);
+            return Err(BadInput(format!(
+                "--eye {eye} --look-at {target} --up {up}: the view has no direction, or up lies along it"
+            )));
+        }
+        let fov = fov.unwrap_or(40.0);
+        let mut view = View::look_at(eye, target, up, fov, self.size.unwrap_or([512, 512]));
+        if self.mirror {
+            view.right = -view.right;
+        }
+        Ok(view)
+    }
+
+    /// The lights typed, or the scene's own.
+    pub fn lights(&self, scene: &Scene) -> Result<Lights, BadInput> {
+        let area = self.light.is_empty() || self.scene_lights;
+        if area && scene.point_lights.is_empty() && scene.area_lights.is_empty() {
+            let told = "the scene has no light; give --light x,y,z[,r,g,b]";
+            return Err(BadInput(told.into()));
+        }
+        let own = scene.point_lights.iter().copied().filter(|_| area);
+        let typed = self.light.iter().map(|&[x, y, z, r, g, b]| PointLight {
+            position: Vec3::new(x, y, z),
+            intensity: Vec3::new(r, g, b),
+        });
+        Ok(Lights {
+            points: own.chain(typed).collect(),
+            area,
+        })
+    }
+}
+
+impl ViewArgs {
+    /// The part of the light.
+    pub fn part(&self) -> rrf_render::Part {
+        match self.part {
+            Part::Full => rrf_render::Part::Full,
+            Part::Direct => rrf_render::Part::Direct,
+            Part::Indirect => rrf_render::Part::Indirect,
+        }
+    }
+
+    /// The exposure typed.
+    pub fn exposure(&self) -> Option<Exposure> {
+        self.exposure.map(|ev| Exposure { ev })
+    }
+}

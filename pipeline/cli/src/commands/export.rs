@@ -1,0 +1,115 @@
+//! `rrf export`: the scene, or the baked nets, for other programs.
+
+use crate::args::CameraArgs;
+use crate::failure::BadInput;
+use crate::run_location::RunLocation;
+use crate::scene_file;
+use clap::Args;
+use rrf_bake::Run;
+use rrf_bake::settings::SceneOptions;
+use rrf_scene::{Camera, Scene};
+use rrf_store::model;
+use std::path::{Path, PathBuf};
+
+/// Write the scene for Mitsuba 3, or the baked nets as tensors or ONNX.
+#[derive(Args, Clone, Debug)]
+#[command(group = clap::ArgGroup::new("format").required(true).multiple(true))]
+pub struct ExportArgs {
+    /// A run folder, or for --mitsuba a scene file.
+    pub input: PathBuf,
+    /// Folder for scene.xml, meshes and textures that Mitsuba 3 loads.
+    #[arg(long, value_name = "DIR", group = "format")]
+    pub mitsuba: Option<PathBuf>,
+    /// File for the nets and their kd-tree.
+    #[arg(long, value_name = "F", group = "format")]
+    pub safetensors: Option<PathBuf>,
+    /// File for the same as one ONNX graph.
+    #[arg(long, value_name = "F", group = "format")]
+    pub onnx: Option<PathBuf>,
+    /// Camera and lights that go into --mitsuba's scene.
+    #[command(flatten)]
+    pub camera: CameraArgs,
+    /// Reading the scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+}
+
+/// Writes what was asked for.
+pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
+    let location = RunLocation::model(&args.input)?;
+    let run = location
+        .folder()
+        .is_dir()
+        .then(|| Run::open(location.folder()));
+    let run = run.transpose()?;
+    if let Some(folder) = &args.mitsuba {
+        let scene = match &run {
+            Some(run) => run.load_scene()?,
+            None => scene_file::load(&args.input, &args.scene_options)?,
+        };
+        mitsuba(args, &scene, folder)?;
+    }
+    if args.safetensors.is_some() || args.onnx.is_some() {
+        let Some(run) = &run else {
+            return Err(BadInput(format!(
+                "{}: is a scene, which has no nets; name a run folder",
+                args.input.display()
+            ))
+            .into());
+        };
+        nets(args, run)?;
+    }
+    Ok(())
+}
+
+fn mitsuba(args: &ExportArgs, scene: &Scene, folder: &Path) -> anyhow::Result<()> {
+    let lights = args.camera.lights(scene)?;
+    let camera = if args.camera.eye.is_some() || !scene.cameras.is_empty() {
+        Some(camera(args.camera.view(scene)?))
+    } else {
+        None
+    };
+    let lit = if lights.area {
+        scene.clone()
+    } else {
+        scene.unlit()
+    };
+    for note in rrf_export::mitsuba::write(folder, &lit, camera.as_ref(), &lights.points)? {
+        eprintln!("warning: {note}");
+    }
+    println!("{}", folder.join("scene.xml").display());
+    Ok(())
+}
+
+fn camera(view: rrf_render::View) -> Camera {
+    Camera {
+        name: "view".into(),
+        eye: view.eye,
+        right: view.right,
+        up: view.up,
+        forward: view.forward,
+        fov: view.fov,
+        width: view.width,
+        height: view.height,
+    }
+}
+
+fn nets(args: &ExportArgs, run: &Run) -> anyhow::Result<()> {
+    let model = model::read_model(&run.folder, &run.facts())?;
+    let manifest = &run.manifest;
+    let facts = [
+        ("created_by", manifest.created_by.clone()),
+        ("scene_hash", manifest.scene_hash.clone()),
+        ("seed", manifest.seed.to_string()),
+    ];
+    let (tree, cells) = (&model.tree.tree, &model.cells);
+    if let Some(file) = &args.safetensors {
+        rrf_export::tensors::write(file, tree, cells, &facts)?;
+        println!("{} nets: {}", cells.len(), file.display());
+    }
+    if let Some(file) = &args.onnx {
+        rrf_export::onnx::write(file, tree, cells, &facts)?;
+        println!("{} nets: {}", cells.len(), file.display());
+    }
+    Ok(())
+}

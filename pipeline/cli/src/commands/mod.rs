@@ -1,0 +1,81 @@
+//! The subcommands. To add one: a file here with its arguments and `run`, and its lines below.
+
+mod bake;
+mod batch;
+mod compare;
+mod doctor;
+mod export;
+mod external;
+mod query;
+mod render;
+mod scene;
+mod tasks;
+mod trace;
+mod view;
+
+use crate::args::{self, Globals};
+use clap::Subcommand;
+use std::process::ExitCode;
+
+/// A subcommand and its arguments.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Load, plan, extract, train, judge: from a scene file to a run folder.
+    Bake(args::BakeArgs),
+    /// The first stages of a bake alone: load, plan, extract.
+    Extract(args::ExtractArgs),
+    /// The last stages of a bake alone: train, judge.
+    Train(args::TrainArgs),
+    /// Bake everything that a file lists; again: only what changed.
+    Run(args::RunArgs),
+    /// Tasks of a bake's next round as a table, for schedulers.
+    Plan(args::PlanArgs),
+    /// Do one task of a plan; done ones are skipped.
+    Task(args::TaskArgs),
+    /// Check that a round's tasks are done, make their fits the model, plan the next round.
+    Commit(args::CommitArgs),
+    Render(render::RenderArgs),
+    Trace(trace::TraceArgs),
+    Query(query::QueryArgs),
+    Export(export::ExportArgs),
+    Compare(compare::CompareArgs),
+    /// Show what a dataset, a model, a sweep or a table holds.
+    Inspect(external::ExternalArgs),
+    /// Draw error against time and size, of sweeps, or round by round, of runs.
+    Chart(external::ExternalArgs),
+    /// Bake every setting of a grid and measure each run.
+    Sweep(external::ExternalArgs),
+    /// Write all about one run on one HTML page.
+    Report(external::ExternalArgs),
+    Scene(scene::SceneArgs),
+    View(view::ViewPageArgs),
+    Doctor(doctor::DoctorArgs),
+}
+
+impl Command {
+    /// Does it; gives the exit code of what went well.
+    pub fn run(&self, globals: &Globals) -> anyhow::Result<ExitCode> {
+        match self {
+            Command::Bake(args) => bake::bake(args, globals.quiet),
+            Command::Extract(args) => bake::extract(args, globals.quiet),
+            Command::Train(args) => bake::train(args, globals.quiet),
+            Command::Run(args) => batch::run(args, globals.quiet),
+            Command::Plan(args) => tasks::plan(args),
+            Command::Task(args) => tasks::task(args),
+            Command::Commit(args) => tasks::commit(args),
+            Command::Render(args) => render::run(args),
+            Command::Trace(args) => trace::run(args, globals.quiet),
+            Command::Query(args) => query::run(args),
+            Command::Export(args) => export::run(args),
+            Command::Compare(args) => compare::run(args),
+            Command::Inspect(args) => return external::run("inspect", args, globals),
+            Command::Chart(args) => return external::run("chart", args, globals),
+            Command::Sweep(args) => return external::run("sweep", args, globals),
+            Command::Report(args) => return external::run("report", args, globals),
+            Command::Scene(args) => scene::run(args),
+            Command::View(args) => view::run(args),
+            Command::Doctor(_) => doctor::run(),
+        }?;
+        Ok(ExitCode::SUCCESS)
+    }
+}

@@ -1,0 +1,99 @@
+//! `rrf query`: the model at the rows of a points table.
+
+use crate::args::TrustArgs;
+use crate::baked::Baked;
+use crate::points;
+use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
+use clap::Args;
+use rrf_extract::{PointClass, VisibilityQueries};
+use rrf_field::columns;
+use rrf_scene::Scene;
+use rrf_store::Limits;
+use rrf_store::points::{PointsTable, check_ending, read_points, write_points};
+use rrf_store::schema::Table;
+use rrf_trace::{SurfacePoint, Tracer};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Compute the model's indirect radiance at the points of a table.
+#[derive(Args, Clone, Debug)]
+pub struct QueryArgs {
+    /// The run folder, baked.
+    pub run: PathBuf,
+    /// Points table.
+    #[arg(long, value_name = "IN.parquet")]
+    pub points: PathBuf,
+    /// Table to write.
+    #[arg(short, long, value_name = "OUT.parquet")]
+    pub output: PathBuf,
+    /// Blend the nets of neighbouring cells within a tenth of a cell where they meet and agree, so that
+    /// their borders do not show.
+    #[arg(long)]
+    pub blend: bool,
+    /// Which cells are believed.
+    #[command(flatten)]
+    pub trust: TrustArgs,
+}
+
+/// Reads the table, evaluates the nets, writes the table with `r g b cell_id trusted` appended.
+pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
+    check_ending(&args.output)?;
+    let baked = Baked::open(&args.run, args.trust.trust_error)?;
+    let (scene, field) = (&baked.unlit, &baked.field);
+    let tracer = Tracer::new(scene)?;
+    let table = read_points(&args.points, Limits::default())?;
+    let located = points::locate(&tracer, &table, &args.points)?;
+    let rows = points::rows(&tracer, &table, &located);
+    let trusted = baked.trusted(&rows);
+    let mut radiance: [Vec<f32>; 3] = Default::default();
+    let mut cells = Vec::new();
+    if args.blend {
+        (baked.borders).evaluate(field, &rows, &mut radiance, &mut cells)?;
+    } else {
+        field.evaluate(&rows, &mut radiance, &mut cells)?;
+    }
+    darken_sealed(scene, &tracer, &located, &table, &mut radiance);
+    let [r, g, b] = radiance.map(|channel| Arc::new(Float32Array::from(channel)) as ArrayRef);
+    let untrusted = trusted.iter().filter(|&&t| !t).count();
+    let added: BTreeMap<&str, ArrayRef> = BTreeMap::from([
+        ("r", r),
+        ("g", g),
+        ("b", b),
+        ("cell_id", Arc::new(UInt32Array::from(cells)) as ArrayRef),
+        ("trusted", Arc::new(BooleanArray::from(trusted)) as ArrayRef),
+    ]);
+    let manifest = &baked.run.manifest;
+    let facts = points::facts(&manifest.scene_hash, manifest.seed);
+    write_points(&args.output, &table.batch, Table::Answers, added, &facts)?;
+    println!(
+        "{} rows, {untrusted} of them not trusted: outside what the model was trained on, or in a cell with an \
+         error above {:.1} %",
+        rows.len(),
+        100.0 * args.trust.trust_error
+    );
+    Ok(())
+}
+
+/// A point sealed inside a solid, or with an empty hemisphere, receives no light from outside:
+/// exactly zero, which no net was trained on.
+fn darken_sealed(
+    scene: &Scene,
+    tracer: &Tracer,
+    located: &[SurfacePoint],
+    table: &PointsTable,
+    radiance: &mut [Vec<f32>; 3],
+) {
+    let visibility = VisibilityQueries::new(scene, tracer);
+    let viewers = points::vectors(table, columns::V);
+    for (row, (point, &v)) in located.iter().zip(&viewers).enumerate() {
+        let side = if point.normal.dot(v) < 0.0 {
+            -point.normal
+        } else {
+            point.normal
+        };
+        if visibility.from_surface(point, side) != PointClass::Open {
+            radiance.iter_mut().for_each(|channel| channel[row] = 0.0);
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! `rrf render`: frames by the baked nets.
+
+use crate::args::{TrustArgs, ViewArgs};
+use crate::baked::Baked;
+use crate::failure::BadInput;
+use crate::film::{Film, FrameFormat};
+use crate::pictures;
+use crate::stats::{self, Clock};
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use rrf_extract::VisibilityQueries;
+use rrf_field::columns::Columns;
+use rrf_metrics::color::luminance;
+use rrf_render::camera_path::{Shot, read_camera_path};
+use rrf_render::{
+    Frame, PathOptions, RenderOptions, Renderer, ShadowRays, Surroundings, trace_untrusted,
+};
+use rrf_trace::Tracer;
+use std::path::PathBuf;
+
+/// Size of a path's frames where --size is not given.
+const SIZE: [u32; 2] = [512, 512];
+/// Different warnings that are said in full.
+const MOST_WARNINGS: usize = 10;
+
+/// Render frames by the baked nets, plus exact direct light.
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    /// The run folder, baked.
+    pub run: PathBuf,
+    /// Picture to write (.exr with layers, .png tone-mapped); again for more. With --path the
+    /// new folder for frames.
+    #[arg(short, long, value_name = "F", required = true)]
+    pub output: Vec<PathBuf>,
+    /// A frame for each row of a table with the columns eye_x eye_y eye_z target_x target_y
+    /// target_z fov, optionally up_x up_y up_z and light0_x light0_y light0_z [light0_r light0_g
+    /// light0_b], light1_x ...
+    #[arg(long, value_name = "CAMERA.csv", conflicts_with_all = ["eye", "look_at", "up", "fov", "frames", "mirror"])]
+    pub path: Option<PathBuf>,
+    /// Formats of the frames of --path.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [FrameFormat::Exr, FrameFormat::Png])]
+    pub formats: Vec<FrameFormat>,
+    /// View and lights.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Shadow rays of each camera ray, shared by all lights. By default point lights get one
+    /// each, and area lights 16 together; with `--light-sampling uniform` all lights 16 together.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub shadow_rays: Option<u32>,
+    /// Choice of a light for each shadow ray.
+    #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
+    pub light_sampling: LightSampling,
+    /// Render also what is refused otherwise: an eye or a light inside a solid, a light on a
+    /// surface.
+    #[arg(long)]
+    pub anyway: bool,
+    /// Seed of the shadow rays.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Blend the nets of neighbouring cells within a tenth of a cell where they meet and agree, so that
+    /// their borders do not show.
+    #[arg(long, conflicts_with = "json_stats")]
+    pub blend: bool,
+    /// Which cells are believed.
+    #[command(flatten)]
+    pub trust: TrustArgs,
+    /// Treatment of pixels that are not trusted.
+    #[arg(long, value_enum, default_value_t = Fallback::None, conflicts_with_all = ["json_stats", "path"])]
+    pub fallback: Fallback,
+    /// Paths a pixel and light of --fallback trace.
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..))]
+    pub fallback_spp: u32,
+    /// Paint pixels that are not trusted red, by the share of their samples.
+    #[arg(long, conflicts_with_all = ["json_stats", "path"])]
+    pub show_trust: bool,
+    /// Write what the frame cost, stage by stage, as JSON (`-`: to standard output). Frames are
+    /// then made without the layer of trust.
+    #[arg(long, value_name = "FILE")]
+    pub json_stats: Option<PathBuf>,
+    /// Render the frame N times, for --json-stats in steady state.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "json_stats", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: u32,
+}
+
+/// Choice of a light for each shadow ray; both are unbiased.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LightSampling {
+    /// By what earlier rays of the pixel and its neighbours found (Donikian et al. 2006).
+    Adaptive,
+    /// All alike.
+    Uniform,
+}
+
+/// Treatment of pixels that are not trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Fallback {
+    /// The nets are believed.
+    None,
+    /// They are path-traced.
+    Trace,
+}
+
+/// Renders the view and writes it, or every frame of a path; with `--frames` again and again, to
+/// measure.
+pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
+    match &args.path {
+        None => pictures::check_endings(&args.output)?,
+        Some(_) if args.output.len() == 1 => {}
+        Some(_) => return Err(BadInput("--path writes one folder; give -o once".into()).into()),
+    }
+    let baked = Baked::open(&args.run, args.trust.trust_error)?;
+    let shots = shots(args, &baked)?;
+    let lights = &shots[0].lights;
+    let tracer = Tracer::new(baked.shown(lights))?;
+    let area_lights = baked.area_lights(lights)?;
+    warn(args, &baked, &tracer, &shots)?;
+    let mut film = match &args.path {
+        Some(_) => Some(Film::new(
+            &args.output[0],
+            &args.formats,
+            args.view.exposure(),
+        )?),
+        None => None,
+    };
+    let trusted = |rows: &Columns| baked.trusted(rows);
+    let options = RenderOptions {
+        part: args.view.part(),
+        aa: args.view.aa,
+        area_lights: area_lights.as_ref(),
+        shadow_rays: shadow_rays(args),
+        // asks again for every row: not where time is measured
+        trusted: (film.is_none() && args.json_stats.is_none()).then_some(&trusted),
+        borders: args.blend.then_some(&baked.borders),
+    };
+    let renderer = Renderer::new(&tracer, &baked.field);
+    let (mut frame, mut clock) = (Frame::default(), Clock::default());
+    for shot in &shots {
+        for _ in 0..args.frames {
+            clock.start();
+            let timings = renderer.render(&shot.view, &shot.lights, &options, &mut frame)?;
+            clock.stop(timings);
+        }
+        if let Some(film) = &mut film {
+            film.add(&frame)?;
+        }
+    }
+    if let Some(target) = &args.json_stats {
+        stats::write_report(target, &stats::report(&clock, &shots[0].view, lights))?;
+    }
+    if let Some(film) = film {
+        return film.finish();
+    }
+    if args.fallback == Fallback::Trace {
+        let Shot { view, lights } = &shots[0];
+        let options = PathOptions {
+            spp: args.fallback_spp,
+            aa: args.view.aa,
+            seed: baked.run.manifest.seed,
+        };
+        let traced = trace_untrusted(&tracer, view, lights, &mut frame, options)?;
+        println!("{traced} pixels were path-traced, because their nets are not trusted");
+    }
+    if args.show_trust {
+        show_trust(&mut frame);
+    }
+    pictures::write(frame, &args.view, &args.output)
+}
+
+/// The view and lights of each frame: the view typed, or the rows of a camera's path under their own lights,
+/// the ones typed or the scene's.
+fn shots(args: &RenderArgs, baked: &Baked) -> anyhow::Result<Vec<Shot>> {
+    let camera = &args.view.camera;
+    let Some(path) = &args.path else {
+        let (view, lights) = (camera.view(&baked.scene)?, camera.lights(&baked.scene)?);
+        return Ok(vec![Shot { view, lights }]);
+    };
+    let mut shots = read_camera_path(path, camera.size.unwrap_or(SIZE))?;
+    if shots.iter().all(|shot| shot.lights.points.is_empty()) {
+        let lights = camera.lights(&baked.scene)?;
+        shots.iter_mut().for_each(|s| s.lights.clone_from(&lights));
+    } else if !camera.light.is_empty() {
+        let told = format!("{}: has light columns; leave --light out", path.display());
+        return Err(BadInput(told).into());
+    }
+    Ok(shots)
+}
+
+/// Says each different warning once; where a picture would show nothing that was meant, it is
+/// refused, unless `--anyway`.
+fn warn(args: &RenderArgs, baked: &Baked, tracer: &Tracer, shots: &[Shot]) -> Result<(), BadInput> {
+    let visibility = VisibilityQueries::new(&baked.unlit, tracer);
+    let surroundings = Surroundings {
+        tracer,
+        inside_solid: &|place| visibility.inside_solid(place),
+        light_box: baked.light_box(),
+        eye_box: baked.eye_box(),
+    };
+    let (mut told, mut more) = (Vec::new(), 0);
+    for (row, Shot { view, lights }) in (1..).zip(shots) {
+        let positions = lights.points.iter().map(|light| light.position);
+        let place = match &args.path {
+            Some(path) => format!("{}: row {row}: ", path.display()),
+            None => String::new(),
+        };
+        for warning in surroundings.warnings(view.eye, positions) {
+            if warning.is_fatal && !args.anyway {
+                return Err(BadInput(format!("{place}{warning} (--anyway renders it)")));
+            }
+            if told.len() < MOST_WARNINGS && !told.contains(&warning) {
+                eprintln!("warning: {place}{warning}");
+                told.push(warning);
+            } else {
+                more += 1;
+            }
+        }
+    }
+    if more > 0 {
+        eprintln!("warning: {more} more warnings like these");
+    }
+    Ok(())
+}
+
+/// Sampled lights, where a number of shadow rays is given or only one way is left.
+fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
+    let adaptive = args.light_sampling == LightSampling::Adaptive;
+    let standard = ShadowRays::default();
+    match args.shadow_rays {
+        None if adaptive => None,
+        count => Some(ShadowRays {
+            count: count.unwrap_or(standard.count),
+            adaptive,
+            seed: args.seed,
+        }),
+    }
+}
+
+/// Mixes red, as bright as the frame is on average, into pixels that are not trusted.
+fn show_trust(frame: &mut Frame) {
+    let count = frame.full.len().max(1) as f32;
+    let red = Vec3::X * (3.0 * frame.full.iter().map(|&p| luminance(p)).sum::<f32>() / count);
+    let trust = frame.trust.iter().flatten();
+    let trust = trust.zip(frame.cell.iter().flatten());
+    for (pixel, (&trust, &cell)) in frame.full.iter_mut().zip(trust) {
+        // a pixel that shows no surface has no cell, and nothing to trust or not
+        if cell != u32::MAX {
+            *pixel = pixel.lerp(red, 1.0 - trust.clamp(0.0, 1.0));
+        }
+    }
+}

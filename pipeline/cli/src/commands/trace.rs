@@ -1,0 +1,170 @@
+//! `rrf trace`: ground truth, as a picture or at points.
+
+use crate::args::ViewArgs;
+use crate::failure::BadInput;
+use crate::{pictures, points, progress, scene_file};
+use arrow::array::{ArrayRef, Float32Array};
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use rrf_bake::settings::SceneOptions;
+use rrf_field::columns;
+use rrf_render::PathOptions;
+use rrf_sampling::{Stage, Stream};
+use rrf_scene::Scene;
+use rrf_store::Limits;
+use rrf_store::points::{check_ending, read_points, write_points};
+use rrf_store::schema::Table;
+use rrf_trace::{Queries, Sampling, Tracer, indirect_with};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Render a frame, or the light at points, by path tracing: the ground truth.
+#[derive(Args, Clone, Debug)]
+pub struct TraceArgs {
+    /// Scene file.
+    pub scene: PathBuf,
+    /// Picture (.exr, .png; again for more), or with --points the table to write.
+    #[arg(short, long, value_name = "F", required = true)]
+    pub output: Vec<PathBuf>,
+    /// Paths a pixel, or a point: a multiple of 16 there.
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    pub spp: u32,
+    /// Points table: indirect radiance at its rows instead of a picture.
+    #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "up", "mirror", "light", "scene_lights", "part", "aa", "exposure", "fov", "size"])]
+    pub points: Option<PathBuf>,
+    /// Estimator of paths to the point light, with --points.
+    #[arg(long, value_enum, default_value_t = Estimator::NextEvent, requires = "points")]
+    pub estimator: Estimator,
+    /// Seed of every random number.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// View and lights.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// Reading the scene.
+    #[command(flatten)]
+    pub scene_options: SceneOptions,
+}
+
+/// Estimator of paths to a point light; both are unbiased.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Estimator {
+    /// Next-event estimation alone: the textbook estimator, the same as other path tracers'.
+    NextEvent,
+    /// Connections to the light's first hits too: less noise, above all for lights near
+    /// surfaces. What extraction uses.
+    Connected,
+}
+
+/// Independent estimates a row, for the standard error.
+const REPLICATES: u32 = 16;
+/// Rows between two looks at the progress bar.
+const BLOCK: usize = 64;
+
+/// A picture, or with `--points` a table.
+pub fn run(args: &TraceArgs, quiet: bool) -> anyhow::Result<()> {
+    let scene = scene_file::load(&args.scene, &args.scene_options)?;
+    match &args.points {
+        Some(table) => {
+            let unlit = scene.unlit();
+            trace_points(args, &scene, &Tracer::new(&unlit)?, table, quiet)
+        }
+        None => trace_frame(args, &scene, quiet),
+    }
+}
+
+fn trace_frame(args: &TraceArgs, scene: &Scene, quiet: bool) -> anyhow::Result<()> {
+    pictures::check_endings(&args.output)?;
+    let view = args.view.camera.view(scene)?;
+    let lights = args.view.camera.lights(scene)?;
+    let lit = match lights.area {
+        true => Cow::Borrowed(scene),
+        false => Cow::Owned(scene.unlit()),
+    };
+    let tracer = Tracer::new(&lit)?;
+    let bar = progress::bar(quiet, u64::from(view.height), "trace");
+    let options = PathOptions {
+        spp: args.spp,
+        aa: args.view.aa,
+        seed: args.seed,
+    };
+    let progress = |rows| bar.inc(rows);
+    let frame = rrf_render::trace_frame(&tracer, &view, &lights, options, &progress)?;
+    bar.finish_and_clear();
+    pictures::write(frame, &args.view, &args.output)
+}
+
+fn trace_points(
+    args: &TraceArgs,
+    scene: &Scene,
+    tracer: &Tracer,
+    input: &Path,
+    quiet: bool,
+) -> anyhow::Result<()> {
+    let [output] = args.output.as_slice() else {
+        return Err(BadInput("--points writes one table; give -o once".into()).into());
+    };
+    check_ending(output)?;
+    if !args.spp.is_multiple_of(REPLICATES) || args.spp == 0 {
+        return Err(BadInput(format!(
+            "--spp {}: with --points a multiple of {REPLICATES} is needed: the standard error \
+             comes from {REPLICATES} independent estimates a row",
+            args.spp
+        ))
+        .into());
+    }
+    let table = read_points(input, Limits::default())?;
+    let located = points::locate(tracer, &table, input)?;
+    let viewers = points::vectors(&table, columns::V);
+    let lights = points::vectors(&table, columns::L);
+    let stream = Stream::new(args.seed, Stage::Points, 0);
+    let sampling = Sampling {
+        paths: args.spp,
+        replicates: REPLICATES,
+    };
+    let estimator = match args.estimator {
+        Estimator::NextEvent => rrf_trace::Estimator::NextEvent,
+        Estimator::Connected => rrf_trace::Estimator::Connected,
+    };
+    let bar = progress::bar(quiet, table.len() as u64, "trace");
+    let mut mean = Vec::with_capacity(table.len());
+    let mut error = Vec::with_capacity(table.len());
+    for first in (0..table.len()).step_by(BLOCK) {
+        let end = (first + BLOCK).min(table.len());
+        let queries = Queries {
+            points: &located[first..end],
+            viewers: &viewers[first..end],
+            lights: &lights[first..end],
+        };
+        let estimates = indirect_with(tracer, queries, sampling, estimator, stream, first as u64)?;
+        for query in 0..estimates.len() {
+            mean.push(estimates.mean(query));
+            error.push(estimates.standard_error(query));
+        }
+        bar.inc((end - first) as u64);
+    }
+    bar.finish_and_clear();
+    let added: BTreeMap<&str, ArrayRef> = BTreeMap::from([
+        ("r", channel(&mean, 0)),
+        ("g", channel(&mean, 1)),
+        ("b", channel(&mean, 2)),
+        ("r_se", channel(&error, 0)),
+        ("g_se", channel(&error, 1)),
+        ("b_se", channel(&error, 2)),
+    ]);
+    let facts = points::facts(&scene.hash_hex(), args.seed);
+    write_points(output, &table.batch, Table::Truth, added, &facts)?;
+    println!(
+        "{} rows, {} paths each: {}",
+        table.len(),
+        args.spp,
+        output.display()
+    );
+    Ok(())
+}
+
+fn channel(values: &[Vec3], c: usize) -> ArrayRef {
+    Arc::new(Float32Array::from_iter_values(values.iter().map(|v| v[c])))
+}

@@ -1,0 +1,140 @@
+//! `rrf view`: the baked scene as a live picture in a browser.
+
+use crate::args::{CameraArgs, TrustArgs};
+use crate::baked::Baked;
+use anyhow::Context;
+use clap::Args;
+use glam::Vec3;
+use rrf_extract::VisibilityQueries;
+use rrf_metrics::tone::Exposure;
+use rrf_render::{Lights, Surroundings, View};
+use rrf_scene::PointLight;
+use rrf_trace::Tracer;
+use rrf_view::{Server, Show};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use std::path::PathBuf;
+
+/// Look through a baked scene in a browser: move, drag lights, compare with the truth.
+#[derive(Args, Clone, Debug)]
+pub struct ViewPageArgs {
+    /// The run folder, baked.
+    pub run: PathBuf,
+    /// Port on 127.0.0.1; 0 for a free one.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub port: u16,
+    /// Open the page in the desktop's browser; otherwise its URL is printed, and that is all.
+    #[arg(long)]
+    pub open: bool,
+    /// Which cells are believed.
+    #[command(flatten)]
+    pub trust: TrustArgs,
+    /// View and lights that the page starts with.
+    #[command(flatten)]
+    pub camera: CameraArgs,
+}
+
+/// Serves the page until a signal ends it.
+pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
+    let baked = Baked::open(&args.run, args.trust.trust_error)?;
+    let tracer = Tracer::new(&baked.unlit)?;
+    let mut start = args.camera.view(&baked.scene)?;
+    if args.camera.size.is_none() {
+        fit(&mut start);
+    }
+    let visibility = VisibilityQueries::new(&baked.unlit, &tracer);
+    let asked = args.camera.scene_lights || !args.camera.light.is_empty();
+    let lights = match asked {
+        true => args.camera.lights(&baked.scene)?.points,
+        false => vec![first_light(&baked, &tracer, &start)?],
+    };
+    let show = Show {
+        surroundings: Surroundings {
+            tracer: &tracer,
+            inside_solid: &|p| visibility.inside_solid(p),
+            light_box: baked.light_box(),
+            eye_box: baked.eye_box(),
+        },
+        field: &baked.field,
+        trusted: &|rows| baked.trusted(rows),
+        view: start,
+        lights,
+        run: args.run.display().to_string(),
+    };
+    ignore_broken_pipes();
+    let server = Server::bind(args.port)?;
+    let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).context("signals")?;
+    let (handle, stopper) = (signals.handle(), server.stopper());
+    println!("{}", server.url());
+    println!("open it in a browser on this machine; Ctrl-C ends");
+    if args.open {
+        open(&server.url());
+    }
+    let waiting = std::thread::spawn(move || {
+        if signals.forever().next().is_some() {
+            stopper.stop();
+        }
+    });
+    let served = server.run(&show);
+    handle.close();
+    // it only waits for signals, and has been told to end
+    let _ = waiting.join();
+    Ok(served?)
+}
+
+/// A page that is closed while a frame is on its way ends that connection, not the program.
+fn ignore_broken_pipes() {
+    #[cfg(unix)]
+    // SAFETY: sets a signal's disposition; no handler is involved.
+    unsafe {
+        libc::signal(libc::SIGPIPE, libc::SIG_IGN);
+    }
+}
+
+/// A picture of a size that two cores keep moving: at most 512 on its shorter side.
+fn fit(view: &mut View) {
+    let shorter = view.width.min(view.height).max(1);
+    if shorter > 512 {
+        let scaled = |side: u32| (u64::from(side) * 512 / u64::from(shorter)).max(1) as u32;
+        (view.width, view.height) = (scaled(view.width), scaled(view.height));
+    }
+}
+
+/// A white light in the middle of the baked box, as strong as shows the view at 0 stops.
+fn first_light(baked: &Baked, tracer: &Tracer, view: &View) -> anyhow::Result<PointLight> {
+    let [low, high] = baked.light_box();
+    let mut light = PointLight {
+        position: 0.5 * (low + high),
+        intensity: Vec3::ONE,
+    };
+    let small = View {
+        width: 64,
+        height: 64,
+        ..view.clone()
+    };
+    let lights = Lights {
+        points: vec![light],
+        area: false,
+    };
+    let options = rrf_render::RenderOptions::default();
+    let frame = rrf_render::render(tracer, &baked.field, &small, &lights, &options)?;
+    light.intensity *= Exposure::automatic(&frame.picture()).ev.exp2();
+    Ok(light)
+}
+
+/// Asks the desktop to open the page; without one the printed URL serves.
+fn open(url: &str) {
+    let opener = if cfg!(target_os = "macos") {
+        "open"
+    } else {
+        "xdg-open"
+    };
+    let started = std::process::Command::new(opener)
+        .arg(url)
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn();
+    if let Err(error) = started {
+        eprintln!("{opener}: {error}; open the URL yourself");
+    }
+}

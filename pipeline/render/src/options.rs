@@ -1,0 +1,61 @@
+//! Options of a frame.
+
+use crate::direct::ShadowRays;
+use crate::proxies::AreaLights;
+use rrf_field::Borders;
+use rrf_field::columns::Columns;
+
+/// Which part of the light a frame shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Part {
+    /// Direct and indirect.
+    #[default]
+    Full,
+    /// Light that arrives straight from the lights.
+    Direct,
+    /// Light that arrives from other surfaces.
+    Indirect,
+}
+
+impl Part {
+    /// Whether it has the direct light.
+    pub fn has_direct(self) -> bool {
+        self != Part::Indirect
+    }
+
+    /// Whether it has the indirect light.
+    pub fn has_indirect(self) -> bool {
+        self != Part::Direct
+    }
+
+    /// Its name in a frame's attributes.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Part::Full => "Full",
+            Part::Direct => "Direct",
+            Part::Indirect => "Indirect",
+        }
+    }
+}
+
+/// Tells for each row, light included, whether the nets were trained for it.
+pub type Trusted<'a> = dyn Fn(&Columns) -> Vec<bool> + Sync + 'a;
+
+/// Options of a frame. Negative radiance, which a net may give where there is next to none,
+/// stays: errors average out.
+#[derive(Clone, Copy, Default)]
+pub struct RenderOptions<'a> {
+    /// Part of the light.
+    pub part: Part,
+    /// Camera rays a pixel are `aa` x `aa`; 0 means 1.
+    pub aa: u32,
+    /// The scene's area lights: needed where they shine, with the scene that has them traced.
+    pub area_lights: Option<&'a AreaLights>,
+    /// Sampling of lights. Point lights are otherwise exact, one shadow ray each; area
+    /// lights are always sampled, by [`ShadowRays::default`] if need be.
+    pub shadow_rays: Option<ShadowRays>,
+    /// With it the frame has a trust layer.
+    pub trusted: Option<&'a Trusted<'a>>,
+    /// Borders of cells, if their nets are to be blended there. Takes the lights one by one.
+    pub borders: Option<&'a Borders>,
+}

@@ -1,0 +1,60 @@
+//! Text attributes of a frame that tell its origin.
+
+use crate::options::RenderOptions;
+use crate::view::{Lights, View};
+use glam::Vec3;
+use rrf_scene::PointLight;
+
+/// Attributes of a frame made by the nets.
+pub(crate) fn of_render(
+    view: &View,
+    lights: &Lights,
+    options: &RenderOptions,
+) -> Vec<(String, String)> {
+    let mut attributes = common(view, lights, options.aa.max(1));
+    attributes.push(attribute("rrf.method", "radiance regression"));
+    attributes.push(attribute("rrf.part", options.part.name()));
+    attributes.push(attribute("rrf.negative", "Keep"));
+    attributes
+}
+
+/// Attributes of a path-traced frame of `aa` x `aa` rays and `spp` paths a pixel.
+pub(crate) fn of_trace(
+    view: &View,
+    lights: &Lights,
+    aa: u32,
+    spp: u32,
+    seed: u64,
+) -> Vec<(String, String)> {
+    let mut attributes = common(view, lights, aa);
+    attributes.push(attribute("rrf.method", "path tracing"));
+    attributes.push(attribute("rrf.paths_per_pixel", spp));
+    attributes.push(attribute("rrf.seed", seed));
+    attributes
+}
+
+fn common(view: &View, lights: &Lights, aa: u32) -> Vec<(String, String)> {
+    let point = |l: &PointLight| format!("{} {}", triple(l.position), triple(l.intensity));
+    let points: Vec<String> = lights.points.iter().map(point).collect();
+    let unit = "radiance W/(sr m^2), linear Rec. 709, no exposure applied";
+    vec![
+        attribute("rrf.version", env!("CARGO_PKG_VERSION")),
+        attribute("rrf.unit", unit),
+        attribute("rrf.eye", triple(view.eye)),
+        attribute("rrf.forward", triple(view.forward)),
+        attribute("rrf.up", triple(view.up)),
+        attribute("rrf.right", triple(view.right)),
+        attribute("rrf.fov_degrees", view.fov),
+        attribute("rrf.rays_per_pixel", format!("{aa}x{aa}")),
+        attribute("rrf.point_lights", points.join("; ")),
+        attribute("rrf.area_lights", if lights.area { "on" } else { "off" }),
+    ]
+}
+
+fn attribute(name: &str, value: impl ToString) -> (String, String) {
+    (name.to_string(), value.to_string())
+}
+
+fn triple(v: Vec3) -> String {
+    format!("{},{},{}", v.x, v.y, v.z)
+}

@@ -1,0 +1,266 @@
+//! A frame by the nets: what the camera sees, its direct light, its indirect light.
+//!
+//! [`Renderer::render`] hands out bands of tiles; a tile's pixels are shaded in `Job::shade`.
+
+mod blend;
+mod layers;
+
+use crate::direct::emitter::Emitter;
+use crate::direct::{PointLighting, SampledLighting};
+use crate::error::RenderError;
+use crate::frame::Frame;
+use crate::options::{RenderOptions, Trusted};
+use crate::origin;
+use crate::tile::{Tile, VisiblePoints};
+use crate::timings::{FrameStage, FrameTimings, Stopwatch};
+use crate::view::{Lights, View};
+use blend::evaluate_blended;
+use glam::Vec3;
+use layers::{Band, Layers};
+use rayon::prelude::*;
+use rrf_field::columns::{self, Columns};
+use rrf_field::{EvaluationTimings, Field, Light, LitField, Workspace};
+use rrf_scene::PointLight;
+use rrf_trace::Tracer;
+use std::sync::{Mutex, MutexGuard};
+
+/// Makes frame after frame of one scene and field, and keeps what the threads work with.
+pub struct Renderer<'a> {
+    tracer: &'a Tracer<'a>,
+    field: &'a Field,
+    idle: Mutex<Vec<Work>>,
+}
+
+/// Columns that a thread works with, tile after tile.
+#[derive(Default)]
+struct Work {
+    seen: VisiblePoints,
+    point_lighting: PointLighting,
+    sampled_lighting: SampledLighting,
+    nets: Workspace,
+    radiance: [Vec<f32>; 3],
+    cells: Vec<u32>,
+    watch: Stopwatch,
+}
+
+/// A frame to shade: everything that its tiles share.
+struct Job<'f> {
+    tracer: &'f Tracer<'f>,
+    view: &'f View,
+    /// Point lights by exact shadow rays.
+    points: &'f [PointLight],
+    /// Lights to be sampled.
+    emitters: Vec<Emitter>,
+    /// Whether surfaces may shine themselves.
+    emission: bool,
+    /// The nets under their point lights.
+    lit: LitField<'f>,
+    options: &'f RenderOptions<'f>,
+    /// Camera rays a side of a pixel.
+    side: u32,
+    /// Share of a camera ray in its pixel.
+    weight: f32,
+}
+
+/// Renders `view` under `lights`. Layers: the parts asked for, and with the indirect part
+/// the cell under the first light and, where asked for, trust.
+///
+/// The same bits on any number of threads.
+pub fn render(
+    tracer: &Tracer,
+    field: &Field,
+    view: &View,
+    lights: &Lights,
+    options: &RenderOptions,
+) -> Result<Frame, RenderError> {
+    let mut frame = Frame::default();
+    Renderer::new(tracer, field).render(view, lights, options, &mut frame)?;
+    Ok(frame)
+}
+
+impl<'a> Renderer<'a> {
+    /// Frames of `tracer`'s scene with the indirect light of `field`.
+    pub fn new(tracer: &'a Tracer<'a>, field: &'a Field) -> Renderer<'a> {
+        Renderer {
+            tracer,
+            field,
+            idle: Mutex::default(),
+        }
+    }
+
+    /// As [`render()`], into a frame whose memory is used again; and where the time went.
+    /// After an error the frame's layers are of no use.
+    pub fn render(
+        &self,
+        view: &View,
+        lights: &Lights,
+        options: &RenderOptions,
+        frame: &mut Frame,
+    ) -> Result<FrameTimings, RenderError> {
+        view.check()?;
+        lights.check()?;
+        let job = self.job(view, lights, options)?;
+        let mut layers = Layers::take_from(frame, view);
+        let bands = layers.bands(view.width).enumerate();
+        let timings = bands
+            .map(|(number, mut band)| {
+                let mut work = self.idle().pop().unwrap_or_default();
+                work.watch = Stopwatch::default();
+                let mut tiles = Tile::of_band(view.width, view.height, number as u32);
+                let done = tiles.try_for_each(|tile| job.shade(&mut work, tile, &mut band));
+                let timings = work.watch.timings;
+                self.idle().push(work);
+                done.map(|()| timings)
+            })
+            .collect::<Result<Vec<FrameTimings>, RenderError>>()?;
+        layers.give_to(frame, options);
+        frame.attributes = origin::of_render(view, lights, options);
+        let mut sum = FrameTimings::default();
+        timings.iter().for_each(|timings| sum.add(timings));
+        Ok(sum)
+    }
+
+    /// Decides which lights are exact, which are sampled, which the nets see.
+    fn job<'f>(
+        &'f self,
+        view: &'f View,
+        lights: &'f Lights,
+        options: &'f RenderOptions<'f>,
+    ) -> Result<Job<'f>, RenderError> {
+        let area_lights = options.area_lights.filter(|_| lights.area);
+        let has_any = !self.tracer.scene().area_lights.is_empty();
+        if lights.area && has_any && area_lights.is_none() {
+            return Err(RenderError::AreaLights);
+        }
+        let (exact, sampled) = match options.shadow_rays {
+            None => (lights.points.as_slice(), [].as_slice()),
+            Some(_) => ([].as_slice(), lights.points.as_slice()),
+        };
+        let pieces = area_lights.iter().flat_map(|area| &area.pieces).copied();
+        let of_nets = lights.points.iter().map(|light| Light {
+            position: light.position.to_array(),
+            intensity: light.intensity.to_array(),
+        });
+        let proxies = area_lights.iter().flat_map(|area| area.points());
+        let of_nets: Vec<Light> = of_nets.chain(proxies).collect();
+        let side = options.aa.max(1);
+        Ok(Job {
+            tracer: self.tracer,
+            view,
+            points: exact,
+            emitters: sampled.iter().map(Emitter::from).chain(pieces).collect(),
+            emission: area_lights.is_some(),
+            lit: self.field.under(&of_nets),
+            options,
+            side,
+            weight: 1.0 / (side * side) as f32,
+        })
+    }
+
+    /// Columns that no thread works with at the moment. A thread that panicked may leave the list
+    /// poisoned, but never half changed.
+    fn idle(&self) -> MutexGuard<'_, Vec<Work>> {
+        self.idle.lock().unwrap_or_else(|p| p.into_inner())
+    }
+}
+
+impl Job<'_> {
+    /// Shades a tile: camera rays, rows of what they meet, direct light, nets, layers.
+    fn shade(&self, work: &mut Work, tile: Tile, band: &mut Band) -> Result<(), RenderError> {
+        work.watch.restart();
+        work.seen.shoot(self.tracer, self.view, tile, self.side);
+        work.watch.end(FrameStage::PrimaryRays);
+        work.seen.read_hits(self.tracer);
+        work.watch.end(FrameStage::Points);
+        band.clear(tile, self.view.width);
+        if self.options.part.has_direct() {
+            self.add_direct(work, tile, band);
+        }
+        if self.options.part.has_indirect() {
+            self.add_indirect(work, band)?;
+        }
+        band.sum(tile, self.view.width);
+        work.watch.end(FrameStage::Resolve);
+        Ok(())
+    }
+
+    /// Adds light straight from the lights, and what the surface sends out itself.
+    fn add_direct(&self, work: &mut Work, tile: Tile, band: &mut Band) {
+        let (seen, watch) = (&work.seen, &mut work.watch);
+        watch.end(FrameStage::Resolve);
+        let exact = &mut work.point_lighting;
+        exact.shade(self.tracer, seen, self.points, watch);
+        self.add(band.direct, seen, exact.radiance.iter().copied());
+        if !self.emitters.is_empty() {
+            watch.end(FrameStage::Resolve);
+            let plan = self.options.shadow_rays.unwrap_or_default();
+            let first = u64::from(tile.y) * u64::from(self.view.width);
+            let (sampled, pixels) = (&mut work.sampled_lighting, (first, self.view.width));
+            sampled.shade(self.tracer, seen, &self.emitters, plan, pixels, watch);
+            self.add(band.direct, seen, sampled.radiance.iter().copied());
+        }
+        if self.emission {
+            let shining = seen.points.iter().zip(&seen.viewers);
+            let emitted = shining.map(|(point, &v)| self.tracer.emission(point, v));
+            self.add(band.direct, seen, emitted);
+        }
+        watch.end(FrameStage::Resolve);
+    }
+
+    /// Adds a radiance a visible point to the layer's pixels.
+    fn add(&self, layer: &mut [Vec3], seen: &VisiblePoints, radiance: impl Iterator<Item = Vec3>) {
+        for (&pixel, radiance) in seen.pixel.iter().zip(radiance) {
+            layer[pixel as usize] += self.weight * radiance;
+        }
+    }
+
+    /// Adds the nets' light at the visible points, and which nets gave it.
+    fn add_indirect(&self, work: &mut Work, band: &mut Band) -> Result<(), RenderError> {
+        let seen = &work.seen;
+        let (radiance, cells) = (&mut work.radiance, &mut work.cells);
+        match self.options.borders {
+            Some(borders) => evaluate_blended(borders, &self.lit, &seen.rows, radiance, cells)?,
+            None => {
+                let mut spent = EvaluationTimings::default();
+                let (nets, timings) = (&mut work.nets, Some(&mut spent));
+                self.lit
+                    .evaluate(&seen.rows, nets, radiance, cells, timings)?;
+                work.watch.end_nets(&spent);
+            }
+        }
+        let [r, g, b] = &*radiance;
+        let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);
+        for (&pixel, (((&r, &g), &b), material)) in seen.pixel.iter().zip(rgb) {
+            // no net was trained on what sends no light, such as a lamp
+            if !material.is_black() {
+                band.indirect[pixel as usize] += self.weight * Vec3::new(r, g, b);
+            }
+        }
+        // Of the pixel's first ray that hit, which comes last here.
+        for (&pixel, &cell) in seen.pixel.iter().zip(&*cells).rev() {
+            band.cell[pixel as usize] = cell;
+        }
+        if let Some(trusted) = self.options.trusted {
+            let trust = trusted_under_all(trusted, &seen.rows, self.lit.lights());
+            for (&pixel, trust) in seen.pixel.iter().zip(trust) {
+                band.trust[pixel as usize] += if trust { self.weight } else { 0.0 };
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether each row is trusted under every one of the lights.
+fn trusted_under_all(trusted: &Trusted, rows: &Columns, lights: &[Light]) -> Vec<bool> {
+    let mut rows = rows.clone();
+    let mut all = vec![true; rows.len()];
+    for light in lights {
+        for (i, x) in light.position.into_iter().enumerate() {
+            rows.columns[columns::L + i].fill(x);
+        }
+        for (all, one) in all.iter_mut().zip(trusted(&rows)) {
+            *all &= one;
+        }
+    }
+    all
+}

@@ -1,0 +1,94 @@
+//! Times of a frame's stages.
+
+use rrf_field::EvaluationTimings;
+use std::time::{Duration, Instant};
+
+/// A stage of a frame, in the order of work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameStage {
+    /// Camera rays made and traced.
+    PrimaryRays,
+    /// Surface points, normals and materials of the hits, as columns.
+    Points,
+    /// Lights' unoccluded radiance, and their shadow rays made.
+    Direct,
+    /// Shadow rays traced.
+    ShadowRays,
+    /// Rows and lights taken to their cells.
+    CellLookup,
+    /// Inputs of the nets gathered and scaled.
+    Inputs,
+    /// Nets evaluated and summed over lights.
+    Nets,
+    /// Parts added into the picture.
+    Resolve,
+}
+
+impl FrameStage {
+    /// Name of each stage, in the order of work.
+    pub const NAMES: [&str; 8] = [
+        "primary_rays",
+        "points",
+        "direct",
+        "shadow_rays",
+        "cell_lookup",
+        "inputs",
+        "nets",
+        "resolve",
+    ];
+
+    /// The stages of the nets.
+    pub const OF_NETS: [FrameStage; 3] = [Self::CellLookup, Self::Inputs, Self::Nets];
+}
+
+/// Time of each stage of a frame, summed over the threads that worked on it; the wall time of a
+/// frame is about their sum divided by the threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameTimings(pub [Duration; FrameStage::NAMES.len()]);
+
+impl FrameTimings {
+    /// Adds another thread's times.
+    pub fn add(&mut self, other: &FrameTimings) {
+        for (sum, time) in self.0.iter_mut().zip(other.0) {
+            *sum += time;
+        }
+    }
+}
+
+/// A thread's stopwatch, which is read at the end of each stage.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stopwatch {
+    last: Instant,
+    pub(crate) timings: FrameTimings,
+}
+
+impl Default for Stopwatch {
+    fn default() -> Stopwatch {
+        Stopwatch {
+            last: Instant::now(),
+            timings: FrameTimings::default(),
+        }
+    }
+}
+
+impl Stopwatch {
+    /// Begins a stage; the time since the last reading is nobody's.
+    pub(crate) fn restart(&mut self) {
+        self.last = Instant::now();
+    }
+
+    /// Adds the time since the last reading to `stage`.
+    pub(crate) fn end(&mut self, stage: FrameStage) {
+        let now = Instant::now();
+        self.timings.0[stage as usize] += now - self.last;
+        self.last = now;
+    }
+
+    /// Adds the stages of the nets, which timed themselves.
+    pub(crate) fn end_nets(&mut self, nets: &EvaluationTimings) {
+        self.timings.0[FrameStage::CellLookup as usize] += nets.lookup;
+        self.timings.0[FrameStage::Inputs as usize] += nets.inputs;
+        self.timings.0[FrameStage::Nets as usize] += nets.nets;
+        self.restart();
+    }
+}
