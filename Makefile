@@ -1,4 +1,5 @@
 # make demo   build, bake the Cornell box, render and compare: see README.md
+# make check  what has to hold before a commit: format, lints, unit tests, structure, docs
 # make test   everything that has to hold: Rust and Python
 # make notebooks   the notebooks, executed on a small run
 
@@ -11,7 +12,8 @@ VENV = .venv
 NOTEBOOKS = .venv-notebooks
 ENGINES = .venv-engines
 
-.PHONY: demo test setup test-setup build report python notebooks engines clean
+.PHONY: demo check test setup test-setup build report rust-tests python-tests run-tests engine-tests \
+	notebook-tests python notebooks engines clean
 
 setup:
 	@sh tests/setup.sh
@@ -36,20 +38,35 @@ demo: build
 	@echo "The pictures: $(OUT)/model.png (baked nets) and $(OUT)/traced.png (path traced);"
 	@echo "the same as EXR with the layers direct, indirect and cell beside them."
 
-# cargo test builds the programs and the examples that the Python checks call
-test: test-setup python engines $(NOTEBOOKS)/installed
+# minutes when warm: what a change can break without a bake
+check: setup
 	cargo fmt --all --check
+	python3 tests/structure.py
 	cargo clippy --release --locked --workspace --all-targets -- -D warnings
+	cargo test --release --locked --workspace --lib --quiet
+	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --workspace --no-deps --quiet
+
+test: test-setup check rust-tests python-tests run-tests engine-tests notebook-tests
+
+# cargo test builds the programs and the examples that the Python checks call
+rust-tests: check
 	cargo test --release --locked --workspace
-	RRF=$(abspath $(RRF)) RRF_EXAMPLES=$(abspath $(dir $(RRF))examples) \
-		$(VENV)/bin/python -m pytest -q tests/python
-	RRF=$(abspath $(RRF)) python3 tests/runs/workers.py
-	RRF=$(abspath $(RRF)) python3 tests/runs/kill.py --kills 10
-	RRF=$(abspath $(RRF)) python3 tests/runs/memory.py
-	RRF=$(abspath $(RRF)) python3 tests/runs/full_disk.py
-	RRF=$(abspath $(RRF)) python3 tests/runs/store.py --server $(VENV)/bin/moto_server
-	RRF=$(abspath $(RRF)) $(ENGINES)/bin/python tests/engines/ray_cluster.py
-	$(EXECUTE)
+
+PROGRAM = RRF=$(abspath $(RRF)) RRF_EXAMPLES=$(abspath $(dir $(RRF))examples)
+
+python-tests: rust-tests python
+	$(PROGRAM) $(VENV)/bin/python -m pytest -q tests/python
+
+# kills, lost workers, bounds of memory, full disks, object stores
+run-tests: rust-tests python
+	$(PROGRAM) python3 tests/runs/workers.py
+	$(PROGRAM) python3 tests/runs/kill.py --kills 10
+	$(PROGRAM) python3 tests/runs/memory.py
+	$(PROGRAM) python3 tests/runs/full_disk.py
+	$(PROGRAM) python3 tests/runs/store.py --server $(VENV)/bin/moto_server
+
+engine-tests: rust-tests engines
+	$(PROGRAM) $(ENGINES)/bin/python tests/engines/ray_cluster.py
 
 python: $(VENV)/installed
 
@@ -79,6 +96,10 @@ RRF=$(abspath $(RRF)) RRF_DEMO=$(abspath out/notebooks) \
 endef
 
 notebooks: report $(NOTEBOOKS)/installed
+	$(EXECUTE)
+
+# the programs as rust-tests built them: another choice of crates would build polars again
+notebook-tests: rust-tests $(NOTEBOOKS)/installed
 	$(EXECUTE)
 
 $(NOTEBOOKS)/installed: notebooks/requirements.txt notebooks/setup.sh
