@@ -116,11 +116,11 @@ fn views_and_lights_in_matter() {
         (&eye, "the eye at"),
         (
             &["--light", inside],
-            "light 0 at [-0.33, 0.6, -0.3] is inside a solid",
+            "light 0 at -0.33,0.6,-0.3 is inside a solid",
         ),
         (
             &["--light", "0,1.5,0", "--light", "0.8,0,0.8"],
-            "light 1 at [0.8, 0, 0.8] lies on",
+            "light 1 at 0.8,0,0.8 lies on",
         ),
     ];
     for (more, words) in cases {

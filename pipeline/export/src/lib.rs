@@ -1,8 +1,8 @@
 //! What other programs need to check a bake or to use it, in their own formats.
 //!
-//! [`mitsuba::write`] puts a scene into a folder that Mitsuba 3 loads: `scene.xml`, a PLY file a
-//! mesh, an EXR file a texture. [`tensors::write`] puts the nets and their kd-tree into one
-//! safetensors file, from which ten lines of numpy give what `rrf query` gives; [`onnx::write`] the
+//! [`mitsuba::write_mitsuba`] puts a scene into a folder that Mitsuba 3 loads: `scene.xml`, a PLY file a
+//! mesh, an EXR file a texture. [`tensors::write_safetensors`] puts the nets and their kd-tree into one
+//! safetensors file, from which ten lines of numpy give what `rrf query` gives; [`onnx::write_onnx`] the
 //! same as a graph that any ONNX runtime evaluates. `notebooks/02_nets` does both.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]

@@ -19,7 +19,7 @@ const SAMPLES: u32 = 256;
 ///
 /// # Errors
 /// [`ExportError::Write`].
-pub fn write(
+pub fn write_mitsuba(
     folder: &Path,
     scene: &Scene,
     camera: Option<&Camera>,

@@ -31,7 +31,7 @@ type Tensor = (String, Dtype, Vec<usize>, Vec<u8>);
 ///
 /// # Errors
 /// [`ExportError::NoNet`], [`ExportError::Model`] for nets that contradict themselves, [`ExportError::Write`].
-pub fn write(
+pub fn write_safetensors(
     path: &Path,
     tree: &Tree,
     cells: &[CellModel],
@@ -176,7 +176,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("nets.safetensors");
         let cell = cell();
-        write(&path, &Tree::single(), std::slice::from_ref(&cell), &[]).unwrap();
+        write_safetensors(&path, &Tree::single(), std::slice::from_ref(&cell), &[]).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let file = SafeTensors::deserialize(&bytes).unwrap();
         let input = [0.3, -0.7];
@@ -208,7 +208,7 @@ mod tests {
         let path = folder.path().join("nets.safetensors");
         let mut short = cell();
         short.weights.pop();
-        let error = write(&path, &Tree::single(), &[short], &[]).unwrap_err();
+        let error = write_safetensors(&path, &Tree::single(), &[short], &[]).unwrap_err();
         assert!(matches!(error, ExportError::Model { cell: 0, .. }));
         assert!(!path.exists());
     }

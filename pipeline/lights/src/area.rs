@@ -1,7 +1,7 @@
 //! Emission of the surface: triangles that shine, and the choice of a point on them.
 
-use crate::warp::uniform_triangle;
 use glam::Vec3;
+use rrf_sampling::warp::uniform_triangle;
 
 /// The emission of a group of triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -49,5 +49,5 @@ pub use source::{LightSource, OwnLight};
 pub use spot::{Falloff, SpotLight};
 pub use warp::{
     UNIFORM_SPHERE_DENSITY, about, spread_between, spread_of, uniform_cone, uniform_cone_density,
-    uniform_sphere, uniform_triangle,
+    uniform_sphere,
 };

@@ -41,14 +41,6 @@ pub fn spread_between(a: Vec3, b: Vec3) -> f32 {
     0.5 * (a - b).length_squared()
 }
 
-/// Barycentrics uniform over a triangle's area, density 1 / area: the square root map of the
-/// unit square (Turk, *Graphics Gems*, 1990).
-#[inline]
-pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
-    let root = u[0].sqrt();
-    [root * (1.0 - u[1]), root * u[1]]
-}
-
 /// Turns a direction about +z into one about the unit direction `axis`.
 pub fn about(axis: Vec3, local: Vec3) -> Vec3 {
     let (x, y) = axis.any_orthonormal_pair();

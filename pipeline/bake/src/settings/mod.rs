@@ -1,8 +1,9 @@
 //! The settings of a bake, described once: [`Settings`] is what a user may ask for, on the command line
 //! and in a batch file; [`BakeConfig`] is what that means for a scene, recorded in `run.json`.
 //!
-//! A new setting is a field here, the line of [`Settings::config`] that applies it, and its use.
+//! A new setting is a field here, the line of [`Settings::config`] (`apply.rs`) that applies it, and its use.
 
+mod apply;
 mod method;
 pub mod parse;
 mod scene;
@@ -12,7 +13,6 @@ pub use method::Method;
 pub use parse::Hidden;
 pub use scene::SceneOptions;
 
-use crate::error::BakeError;
 use clap::{Args, ValueEnum};
 use parse::{input, positive, region};
 use rrf_extract::{ExtractConfig, ExtractError, Region, Weights};
@@ -73,48 +73,6 @@ pub struct Settings {
     /// How the scene is read.
     #[command(flatten)]
     pub scene: SceneOptions,
-}
-
-impl Settings {
-    /// What the settings mean for a scene.
-    ///
-    /// # Errors
-    /// [`BakeError::Setting`] for options that contradict each other or the scene,
-    /// [`BakeError::Extract`] for a scene without surfaces.
-    pub fn config(&self, scene: &Scene) -> Result<BakeConfig, BakeError> {
-        let light_box = match self.light_box {
-            Some(light_box) => light_box,
-            None => middle(scene)?,
-        };
-        let mut config = BakeConfig::preset(self.preset, light_box, self.seed);
-        config.target = self.target;
-        config.default_albedo = self.scene.default_albedo;
-        config.light_units = self.scene.light_units;
-        config.extract.eye_box = self.eye_box;
-        config.extract.rows = self.rows.unwrap_or(config.extract.rows);
-        config.extract.paths = self.paths.unwrap_or(config.extract.paths);
-        config.extract.cells = self.cells.unwrap_or(config.extract.cells);
-        config.rounds = self.rounds.unwrap_or(config.rounds);
-        let most_cells = config.most_cells.max(config.extract.cells);
-        config.most_cells = self.most_cells.unwrap_or(most_cells);
-        config.compress = self.trim;
-        method::apply(&mut config, self, scene)?;
-        if let Some(inputs) = &self.inputs {
-            config.train.inputs.clone_from(inputs);
-            config.train.drop_redundant = false;
-        }
-        Ok(config)
-    }
-}
-
-/// The middle 80 % of the scene's bounds on each axis.
-fn middle(scene: &Scene) -> Result<Region, ExtractError> {
-    let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
-    let inner = |i: usize, share: f32| bounds.min[i] + share * (bounds.max[i] - bounds.min[i]);
-    Ok(Region {
-        minimum: std::array::from_fn(|i| inner(i, 0.1)),
-        maximum: std::array::from_fn(|i| inner(i, 0.9)),
-    })
 }
 
 /// Amount of work.

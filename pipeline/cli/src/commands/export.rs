@@ -74,7 +74,7 @@ fn mitsuba(args: &ExportArgs, scene: &Scene, folder: &Path) -> anyhow::Result<()
     } else {
         scene.unlit()
     };
-    for note in rrf_export::mitsuba::write(folder, &lit, camera.as_ref(), &lights.points)? {
+    for note in rrf_export::mitsuba::write_mitsuba(folder, &lit, camera.as_ref(), &lights.points)? {
         eprintln!("warning: {note}");
     }
     println!("{}", folder.join("scene.xml").display());
@@ -104,11 +104,11 @@ fn nets(args: &ExportArgs, run: &Run) -> anyhow::Result<()> {
     ];
     let (tree, cells) = (&model.tree.tree, &model.cells);
     if let Some(file) = &args.safetensors {
-        rrf_export::tensors::write(file, tree, cells, &facts)?;
+        rrf_export::tensors::write_safetensors(file, tree, cells, &facts)?;
         println!("{} nets: {}", cells.len(), file.display());
     }
     if let Some(file) = &args.onnx {
-        rrf_export::onnx::write(file, tree, cells, &facts)?;
+        rrf_export::onnx::write_onnx(file, tree, cells, &facts)?;
         println!("{} nets: {}", cells.len(), file.display());
     }
     Ok(())

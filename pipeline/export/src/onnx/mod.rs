@@ -29,7 +29,7 @@ const IR_VERSION: i64 = 8;
 ///
 /// # Errors
 /// [`ExportError::NoNet`], [`ExportError::Model`] for nets that contradict themselves, [`ExportError::Write`].
-pub fn write(
+pub fn write_onnx(
     path: &Path,
     tree: &Tree,
     cells: &[CellModel],

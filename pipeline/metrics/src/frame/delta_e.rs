@@ -1,6 +1,6 @@
 //! Colour differences of what is shown.
 
-use super::{FrameMetric, Pair, root_mean_square};
+use super::pair::{FrameMetric, Pair, root_mean_square};
 use crate::color;
 use glam::DVec3;
 

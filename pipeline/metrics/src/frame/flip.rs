@@ -1,6 +1,6 @@
 //! LDR-FLIP of what is shown.
 
-use super::{FrameMetric, mean};
+use super::pair::{FrameMetric, mean};
 use crate::flip::{PIXELS_PER_DEGREE, flip};
 
 /// Mean LDR-FLIP.

@@ -1,6 +1,6 @@
 //! relMSE, as other renderers tell it.
 
-use super::{FrameMetric, mean};
+use super::pair::{FrameMetric, mean};
 
 /// Added to the squared reference (Rousselle, Knaus, Zwicker 2011).
 const EPSILON: f64 = 0.01;

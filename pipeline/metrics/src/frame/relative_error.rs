@@ -1,6 +1,6 @@
 //! The relative error of the radiance, and its spread over pixels.
 
-use super::{FrameMetric, Pair};
+use super::pair::{FrameMetric, Pair};
 use crate::relative::{self, FORMULA, channel_mean, inverse_level, square};
 
 /// The relative error.

@@ -18,7 +18,7 @@ use rrf_lm::{LmConfig, NormalEquations, Problem, Solver};
 use rrf_sampling::{Stage, Stream};
 use rrf_train::net::blocks::Precision;
 use rrf_train::net::problem::{Loss, NetProblem};
-use rrf_train::net::simd::{TILE, fma};
+use rrf_train::net::simd::{TILE_ROWS, fma};
 use rrf_train::net::tile::{Batch, Rows};
 use rrf_train::{Decay, TrainConfig, fit_cell};
 use std::hint::black_box;
@@ -46,7 +46,7 @@ impl Rows for MadeUp {
     }
 
     fn load(&self, first: usize, batch: &mut Batch) {
-        batch.rows = TILE.min(ROWS - first);
+        batch.rows = TILE_ROWS.min(ROWS - first);
         for (i, x) in self.x[first..].iter().take(batch.rows).enumerate() {
             batch.x.iter_mut().zip(x).for_each(|(lane, x)| lane[i] = *x);
             for c in 0..3 {

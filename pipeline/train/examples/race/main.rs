@@ -15,7 +15,7 @@ use rrf_field::net::Shape;
 use rrf_lm::{LmConfig, Problem, Solver};
 use rrf_train::Precision;
 use rrf_train::net::problem::{Loss, NetProblem};
-use rrf_train::net::simd::TILE;
+use rrf_train::net::simd::TILE_ROWS;
 use rrf_train::net::tile::{Batch, Rows};
 use std::error::Error;
 
@@ -34,7 +34,7 @@ impl Rows for Part<'_> {
     }
 
     fn load(&self, first: usize, batch: &mut Batch) {
-        batch.rows = TILE.min(self.len() - first);
+        batch.rows = TILE_ROWS.min(self.len() - first);
         for i in 0..batch.rows {
             let row = &self.x[(first + i) * self.inputs..];
             batch

@@ -2,7 +2,7 @@
 
 use crate::cell::Cell;
 use crate::net::problem::Loss;
-use crate::net::simd::TILE;
+use crate::net::simd::TILE_ROWS;
 use crate::net::tile::{Batch, CHANNELS, Rows};
 
 /// The training rows of a cell and what their residuals are divided by.
@@ -59,7 +59,7 @@ impl<'a> Weighing<'a> {
         let rows = self.cell.train.first(self.len());
         let inputs = self.cell.units.inputs.len();
         let (mut batch, mut x) = (Batch::new(inputs), vec![0.0; inputs]);
-        for first in (0..self.len()).step_by(TILE) {
+        for first in (0..self.len()).step_by(TILE_ROWS) {
             batch.clear();
             rows.load(first, &mut batch);
             for i in 0..batch.rows {

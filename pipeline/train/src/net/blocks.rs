@@ -13,7 +13,7 @@
 
 use crate::net::factors::Factors;
 use crate::net::gemm::{PAD_A, PAD_B};
-use crate::net::simd::{Lane, TILE, dot};
+use crate::net::simd::{TILE_ROWS, TileLane, dot};
 use crate::net::tile::{CHANNELS, Tile};
 use rrf_lm::NormalEquations;
 use serde::{Deserialize, Serialize};
@@ -38,7 +38,7 @@ pub enum Precision {
     /// f64.
     #[default]
     Double,
-    /// f32 products and sums of [`TILE`] rows, f64 from there on: some 1e-7 of the largest entries,
+    /// f32 products and sums of [`TILE_ROWS`] rows, f64 from there on: some 1e-7 of the largest entries,
     /// which bends steps where the curvature is below that share of the largest. The gradient, the
     /// cost and thus the minimum are those of [`Precision::Double`].
     Single,
@@ -142,8 +142,8 @@ impl Accumulator {
             let (units, width) = (self.sizes[l + 1], self.sizes[l] + 1);
             for (j, sums) in sums.chunks_exact_mut(width).enumerate() {
                 // Σ_c r_c g_cj
-                let mut u: Lane = [0.0; TILE];
-                let mut add = |r: &Lane, g: &Lane| {
+                let mut u: TileLane = [0.0; TILE_ROWS];
+                let mut add = |r: &TileLane, g: &TileLane| {
                     for ((u, r), g) in u.iter_mut().zip(r).zip(g) {
                         *u += r * g;
                     }
@@ -155,7 +155,7 @@ impl Accumulator {
                         add(r, &tile.g[l][c * units + j]);
                     }
                 }
-                sums[0] += dot(&u, &[1.0; TILE]);
+                sums[0] += dot(&u, &[1.0; TILE_ROWS]);
                 for (sum, z) in sums[1..].iter_mut().zip(tile.input_of(l)) {
                     *sum += dot(&u, z);
                 }

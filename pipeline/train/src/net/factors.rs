@@ -1,7 +1,7 @@
 //! What a pair of layers contributes to JᵀWJ on one tile, as the two factors of a matrix product.
 
 use crate::net::products::{Packed, Real, STEP};
-use crate::net::simd::TILE;
+use crate::net::simd::TILE_ROWS;
 use crate::net::tile::{CHANNELS, Tile};
 
 /// Room for the factors of all pairs of layers.
@@ -28,8 +28,8 @@ impl<T: Real> Factors<T> {
             g: (0..top)
                 .map(|l| Packed::new(CHANNELS * sizes[l + 1]))
                 .collect(),
-            a: vec![T::default(); lda * TILE + STEP],
-            b: vec![T::default(); ldb * TILE + STEP],
+            a: vec![T::default(); lda * TILE_ROWS + STEP],
+            b: vec![T::default(); ldb * TILE_ROWS + STEP],
             first,
             sizes,
         }

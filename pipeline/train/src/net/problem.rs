@@ -2,7 +2,7 @@
 
 use crate::net::blocks::{Accumulator, Precision};
 use crate::net::curvature::second_derivative;
-use crate::net::simd::TILE;
+use crate::net::simd::TILE_ROWS;
 use crate::net::tangent::{Linearised, times};
 use crate::net::tile::{Rows, Tile};
 use rrf_field::net::Shape;
@@ -85,7 +85,7 @@ impl<R: Rows> NetProblem<R> {
             output: NormalEquations::zeros(shape.weights() - first),
             factor: Cholesky::default(),
             tile,
-            divisor: vec![1.0; rows.len().next_multiple_of(TILE)],
+            divisor: vec![1.0; rows.len().next_multiple_of(TILE_ROWS)],
             rows,
             loss,
             parameters: shape.weights(),
@@ -129,7 +129,7 @@ impl<R: Rows> NetProblem<R> {
 
     /// Runs the net over all rows and hands each tile to `see` with its first row.
     pub fn each_tile(&mut self, w: &[f64], mut see: impl FnMut(usize, &Tile)) {
-        for first in (0..self.rows.len()).step_by(TILE) {
+        for first in (0..self.rows.len()).step_by(TILE_ROWS) {
             self.load(first);
             self.tile.forward(w);
             see(first, &self.tile);
@@ -143,7 +143,7 @@ impl<R: Rows> NetProblem<R> {
             return false;
         }
         self.output_sums.clear();
-        for first in (0..self.rows.len()).step_by(TILE) {
+        for first in (0..self.rows.len()).step_by(TILE_ROWS) {
             self.load(first);
             self.tile.forward(w);
             if self.fresh {
@@ -195,7 +195,7 @@ impl<R: Rows> NetProblem<R> {
 impl<R: Rows> Problem for NetProblem<R> {
     fn cost(&mut self, w: &[f64]) -> f64 {
         let mut sum = 0.0;
-        for first in (0..self.rows.len()).step_by(TILE) {
+        for first in (0..self.rows.len()).step_by(TILE_ROWS) {
             self.load(first);
             self.tile.forward(w);
             sum += self.tile.residuals(&self.divisor[first..]);
@@ -206,7 +206,7 @@ impl<R: Rows> Problem for NetProblem<R> {
     fn linearise(&mut self, w: &[f64], normal: &mut NormalEquations) -> f64 {
         let mut sum = 0.0;
         self.sums.clear();
-        for first in (0..self.rows.len()).step_by(TILE) {
+        for first in (0..self.rows.len()).step_by(TILE_ROWS) {
             self.load(first);
             self.tile.forward(w);
             self.renew(first);
@@ -223,7 +223,7 @@ impl<R: Rows> Problem for NetProblem<R> {
     fn gradient(&mut self, w: &[f64], out: &mut [f64]) -> Option<f64> {
         let mut sum = 0.0;
         self.linearised.begin(w, self.rows.held());
-        for first in (0..self.rows.len()).step_by(TILE) {
+        for first in (0..self.rows.len()).step_by(TILE_ROWS) {
             self.load(first);
             self.tile.forward(w);
             self.renew(first);
@@ -242,7 +242,7 @@ impl<R: Rows> Problem for NetProblem<R> {
             return true;
         }
         self.linearised.restart();
-        for first in (0..self.rows.len()).step_by(TILE) {
+        for first in (0..self.rows.len()).step_by(TILE_ROWS) {
             self.load(first);
             self.tile.forward(&self.linearised.w);
             self.tile.residuals(&self.divisor[first..]);
@@ -254,7 +254,7 @@ impl<R: Rows> Problem for NetProblem<R> {
 
     fn curvature(&mut self, w: &[f64], v: &[f64], out: &mut [f64]) -> bool {
         self.linearised.begin(w, false);
-        for first in (0..self.rows.len()).step_by(TILE) {
+        for first in (0..self.rows.len()).step_by(TILE_ROWS) {
             self.load(first);
             self.tile.forward(w);
             self.tile.residuals(&self.divisor[first..]);

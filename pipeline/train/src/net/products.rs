@@ -1,7 +1,7 @@
 //! Row by row, the factors of the products that [`crate::net::blocks`] sums, in f64 or in f32.
 
 use crate::net::gemm;
-use crate::net::simd::{Lane, TILE};
+use crate::net::simd::{TILE_ROWS, TileLane};
 use crate::net::tile::CHANNELS;
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
@@ -13,7 +13,7 @@ pub(crate) trait Real: Copy + Default + 'static {
     /// The product of two.
     fn times(self, other: Self) -> Self;
     /// Up to [`STEP`] lanes as rows of that many values; the rest of each row is zero.
-    fn transpose(lanes: &[Lane], out: &mut [[Self; STEP]; TILE]);
+    fn transpose(lanes: &[TileLane], out: &mut [[Self; STEP]; TILE_ROWS]);
     /// Row by row, all products of z's entries a ≤ b.
     fn upper(z: &Packed<Self>, n: usize, rows: usize, ld: usize, out: &mut [Self]);
     /// Row by row, all products of an entry of y with an entry of z.
@@ -52,7 +52,7 @@ impl<T: Real> Packed<T> {
         let stride = width.next_multiple_of(STEP) + STEP;
         Packed {
             stride,
-            values: vec![T::default(); stride * TILE],
+            values: vec![T::default(); stride * TILE_ROWS],
         }
     }
 
@@ -65,8 +65,8 @@ impl<T: Real> Packed<T> {
     }
 
     /// Lanes as columns, from `first` on, in whole vectors: what follows the last becomes zero.
-    pub fn set(&mut self, first: usize, lanes: &[Lane]) {
-        let mut block = [[T::default(); STEP]; TILE];
+    pub fn set(&mut self, first: usize, lanes: &[TileLane]) {
+        let mut block = [[T::default(); STEP]; TILE_ROWS];
         for (at, lanes) in (first..).step_by(STEP).zip(lanes.chunks(STEP)) {
             T::transpose(lanes, &mut block);
             for (row, values) in self.values.chunks_exact_mut(self.stride).zip(&block) {
@@ -96,7 +96,7 @@ macro_rules! kernels {
                 self * other
             }
 
-            fn transpose(lanes: &[Lane], out: &mut [[$real; STEP]; TILE]) {
+            fn transpose(lanes: &[TileLane], out: &mut [[$real; STEP]; TILE_ROWS]) {
                 transpose(lanes, out);
             }
 
@@ -145,15 +145,15 @@ macro_rules! kernels {
             "x86_64+avx2+fma",
             "aarch64+neon"
         ))]
-        fn transpose(lanes: &[Lane], out: &mut [[$real; STEP]; TILE]) {
-            let mut other = [0.0; STEP * TILE];
+        fn transpose(lanes: &[TileLane], out: &mut [[$real; STEP]; TILE_ROWS]) {
+            let mut other = [0.0; STEP * TILE_ROWS];
             let out = out.as_flattened_mut();
-            for (to, lane) in out.chunks_exact_mut(TILE).zip(lanes) {
+            for (to, lane) in out.chunks_exact_mut(TILE_ROWS).zip(lanes) {
                 for (to, x) in to.iter_mut().zip(lane) {
                     *to = *x as $real;
                 }
             }
-            out[lanes.len() * TILE..].fill(0.0);
+            out[lanes.len() * TILE_ROWS..].fill(0.0);
             for _ in 0..STEP.ilog2() / 2 {
                 riffle(out, &mut other);
                 riffle(&other, out);

@@ -8,10 +8,10 @@ use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
 /// Rows that are worked on together.
-pub const TILE: usize = 128;
+pub const TILE_ROWS: usize = 128;
 
 /// One value for each row of a tile.
-pub type Lane = [f64; TILE];
+pub type TileLane = [f64; TILE_ROWS];
 
 /// a b + c, rounded once where the instruction set can.
 #[inline(always)]
@@ -31,7 +31,7 @@ pub(crate) fn single_fma<const FMA: bool>(a: f32, b: f32, c: f32) -> f32 {
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
-pub(crate) fn dot(x: &Lane, y: &Lane) -> f64 {
+pub(crate) fn dot(x: &TileLane, y: &TileLane) -> f64 {
     if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
         dot_sums::<true>(x, y)
     } else {
@@ -40,7 +40,7 @@ pub(crate) fn dot(x: &Lane, y: &Lane) -> f64 {
 }
 
 #[inline(always)]
-fn dot_sums<const FMA: bool>(x: &Lane, y: &Lane) -> f64 {
+fn dot_sums<const FMA: bool>(x: &TileLane, y: &TileLane) -> f64 {
     let mut sums = [0.0; 8];
     for (x, y) in x.chunks_exact(8).zip(y.chunks_exact(8)) {
         for i in 0..8 {

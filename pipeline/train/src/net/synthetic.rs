@@ -1,6 +1,6 @@
 //! Synthetic data for tests: random rows, and derivatives by dual numbers.
 
-use crate::net::simd::TILE;
+use crate::net::simd::TILE_ROWS;
 use crate::net::tile::{Batch, CHANNELS, Rows};
 use rrf_field::net::Shape;
 use rrf_sampling::{Stage, Stream};
@@ -40,7 +40,7 @@ impl Rows for RandomRows {
     }
 
     fn load(&self, first: usize, batch: &mut Batch) {
-        batch.rows = TILE.min(self.rows - first);
+        batch.rows = TILE_ROWS.min(self.rows - first);
         for i in 0..batch.rows {
             let (x, target, gain, base) = self.row(first + i, batch.x.len());
             for (lane, x) in batch.x.iter_mut().zip(x) {

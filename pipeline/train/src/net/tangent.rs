@@ -5,7 +5,7 @@
 //! Both cost about as many multiply-adds as two passes through the net, so JᵀWJ v costs a small
 //! share of JᵀWJ.
 
-use crate::net::simd::{Lane, TILE, fma};
+use crate::net::simd::{TILE_ROWS, TileLane, fma};
 use crate::net::tile::{CHANNELS, Tile, from_above};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
@@ -17,8 +17,8 @@ type Eighths = [f64; 8];
 #[derive(Clone)]
 struct Kept {
     /// Inputs, then the hidden units of every layer.
-    z: Vec<Vec<Lane>>,
-    s: [Lane; CHANNELS],
+    z: Vec<Vec<TileLane>>,
+    s: [TileLane; CHANNELS],
 }
 
 /// A net linearised at some weights on all rows. What a tile leaves behind is held in memory, 8 bytes
@@ -33,8 +33,8 @@ pub(crate) struct Linearised {
     /// Scalar products of each weight's two factors over the rows so far.
     sums: Vec<Eighths>,
     /// Derivatives of one layer's units: of the outputs' sums backwards, along v forwards.
-    below: Vec<Lane>,
-    above: Vec<Lane>,
+    below: Vec<TileLane>,
+    above: Vec<TileLane>,
 }
 
 impl Linearised {
@@ -49,7 +49,7 @@ impl Linearised {
 
     /// Notes a tile after its forward pass and residuals, and adds its share of JᵀW r for the
     /// weighted residuals r.
-    pub fn note(&mut self, tile: &Tile, r: &[Lane; CHANNELS]) {
+    pub fn note(&mut self, tile: &Tile, r: &[TileLane; CHANNELS]) {
         let at = self.keep(tile);
         let mut u = tile.s;
         times(&mut u, r);
@@ -113,16 +113,16 @@ impl Linearised {
     }
 
     /// Derivative along v of the last layer's sums.
-    fn forward(&mut self, tile: &Tile, at: usize, v: &[f64]) -> [Lane; CHANNELS] {
+    fn forward(&mut self, tile: &Tile, at: usize, v: &[f64]) -> [TileLane; CHANNELS] {
         self.below.clear();
-        let mut out = [[0.0; TILE]; CHANNELS];
+        let mut out = [[0.0; TILE_ROWS]; CHANNELS];
         for (l, z) in self.tiles[at].z.iter().enumerate() {
             let (w, v) = (tile.layer(l, &self.w), tile.layer(l, v));
             if l == tile.depth() {
                 tangents(w, v, z, &self.below, &mut out);
                 break;
             }
-            self.above.resize(tile.sizes[l + 1], [0.0; TILE]);
+            self.above.resize(tile.sizes[l + 1], [0.0; TILE_ROWS]);
             tangents(w, v, z, &self.below, &mut self.above);
             through_tanh(&self.tiles[at].z[l + 1], &mut self.above);
             std::mem::swap(&mut self.below, &mut self.above);
@@ -131,7 +131,7 @@ impl Linearised {
     }
 
     /// Adds Jᵀu, `u` by the last layer's sums.
-    fn backward(&mut self, tile: &Tile, at: usize, u: [Lane; CHANNELS]) {
+    fn backward(&mut self, tile: &Tile, at: usize, u: [TileLane; CHANNELS]) {
         self.above.clear();
         self.above.extend_from_slice(&u);
         for (l, z) in self.tiles[at].z.iter().enumerate().rev() {
@@ -139,7 +139,7 @@ impl Linearised {
             let weights = self.above.len() * (z.len() + 1);
             add_products(&self.above, z, &mut self.sums[first..][..weights]);
             if l > 0 {
-                self.below.resize(z.len(), [0.0; TILE]);
+                self.below.resize(z.len(), [0.0; TILE_ROWS]);
                 from_above(tile.layer(l, &self.w), &self.above, z, &mut self.below);
                 std::mem::swap(&mut self.below, &mut self.above);
             }
@@ -147,7 +147,7 @@ impl Linearised {
     }
 }
 
-pub(crate) fn times(u: &mut [Lane; CHANNELS], s: &[Lane; CHANNELS]) {
+pub(crate) fn times(u: &mut [TileLane; CHANNELS], s: &[TileLane; CHANNELS]) {
     for (u, s) in u.as_flattened_mut().iter_mut().zip(s.as_flattened()) {
         *u *= s;
     }
@@ -159,7 +159,7 @@ pub(crate) fn times(u: &mut [Lane; CHANNELS], s: &[Lane; CHANNELS]) {
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
-fn tangents(w: &[f64], v: &[f64], x: &[Lane], slopes: &[Lane], out: &mut [Lane]) {
+fn tangents(w: &[f64], v: &[f64], x: &[TileLane], slopes: &[TileLane], out: &mut [TileLane]) {
     if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
         tangent_rows::<true>(w, v, x, slopes, out);
     } else {
@@ -174,9 +174,9 @@ const STRIP: usize = 32;
 fn tangent_rows<const FMA: bool>(
     w: &[f64],
     v: &[f64],
-    x: &[Lane],
-    slopes: &[Lane],
-    out: &mut [Lane],
+    x: &[TileLane],
+    slopes: &[TileLane],
+    out: &mut [TileLane],
 ) {
     let stride = x.len() + 1;
     let rows = w.chunks_exact(stride).zip(v.chunks_exact(stride));
@@ -200,7 +200,7 @@ fn tangent_rows<const FMA: bool>(
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
-fn through_tanh(hidden: &[Lane], units: &mut [Lane]) {
+fn through_tanh(hidden: &[TileLane], units: &mut [TileLane]) {
     for (h, unit) in hidden.iter().zip(units) {
         for (unit, h) in unit.iter_mut().zip(h) {
             *unit *= 1.0 - h * h;
@@ -214,7 +214,7 @@ fn through_tanh(hidden: &[Lane], units: &mut [Lane]) {
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
-fn add_products(u: &[Lane], z: &[Lane], sums: &mut [Eighths]) {
+fn add_products(u: &[TileLane], z: &[TileLane], sums: &mut [Eighths]) {
     if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
         add_product_rows::<true>(u, z, sums);
     } else {
@@ -223,7 +223,7 @@ fn add_products(u: &[Lane], z: &[Lane], sums: &mut [Eighths]) {
 }
 
 #[inline(always)]
-fn add_product_rows<const FMA: bool>(u: &[Lane], z: &[Lane], sums: &mut [Eighths]) {
+fn add_product_rows<const FMA: bool>(u: &[TileLane], z: &[TileLane], sums: &mut [Eighths]) {
     for (u, sums) in u.iter().zip(sums.chunks_exact_mut(z.len() + 1)) {
         for u in u.as_chunks::<8>().0 {
             for (sum, u) in sums[0].iter_mut().zip(u) {
@@ -243,7 +243,11 @@ fn add_product_rows<const FMA: bool>(u: &[Lane], z: &[Lane], sums: &mut [Eighths
 
 /// Several at a time: each sum waits for its last addition.
 #[inline(always)]
-fn products<const N: usize, const FMA: bool>(u: &Lane, z: &[Lane; N], sums: &mut [Eighths; N]) {
+fn products<const N: usize, const FMA: bool>(
+    u: &TileLane,
+    z: &[TileLane; N],
+    sums: &mut [Eighths; N],
+) {
     let mut here = *sums;
     for (k, u) in u.as_chunks::<8>().0.iter().enumerate() {
         for (sum, z) in here.iter_mut().zip(z) {

@@ -2,7 +2,7 @@
 
 use crate::net::blocks::Precision;
 use crate::net::problem::{Loss, NetProblem};
-use crate::net::simd::TILE;
+use crate::net::simd::TILE_ROWS;
 use crate::net::synthetic::{self, RandomRows};
 use rrf_field::net::{self, Shape};
 use rrf_lm::{NormalEquations, Problem};
@@ -138,7 +138,7 @@ fn single_precision_is_as_good_as_its_numbers() {
     let unit = f64::from(f32::EPSILON) / 2.0;
     for (at, (a, b)) in double.matrix.iter().zip(&single.matrix).enumerate() {
         let [i, j] = [at / n, at % n].map(|i| double.matrix[i * n + i]);
-        let bound = (TILE as f64 + 6.0) * unit * (i * j).sqrt();
+        let bound = (TILE_ROWS as f64 + 6.0) * unit * (i * j).sqrt();
         assert!((a - b).abs() <= bound, "{a} {b}");
     }
 }

@@ -3,7 +3,7 @@
 //! Weight layer l maps `z[l]` (layer 0: the inputs) to the next units; layers below the last
 //! have a tanh. Everything here runs across the rows of the tile.
 
-use crate::net::simd::{self, Lane, TILE, fma};
+use crate::net::simd::{self, TILE_ROWS, TileLane, fma};
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 use rrf_field::net::Shape;
@@ -17,14 +17,14 @@ pub struct Batch {
     /// How many rows are in use; the others have gain 0.
     pub rows: usize,
     /// Scaled inputs, one lane an input.
-    pub x: Vec<Lane>,
+    pub x: Vec<TileLane>,
     /// Targets in the net's units, one lane a channel.
-    pub target: [Lane; CHANNELS],
+    pub target: [TileLane; CHANNELS],
     /// Radiance a unit of net output; 0 takes the entry out of the fit.
-    pub gain: [Lane; CHANNELS],
+    pub gain: [TileLane; CHANNELS],
     /// Mean over channels of the radiance that belongs to net output 0:
     /// mean = `base` + Σ_c gain_c out_c / 3.
-    pub base: Lane,
+    pub base: TileLane,
 }
 
 impl Batch {
@@ -32,20 +32,20 @@ impl Batch {
     pub fn new(inputs: usize) -> Batch {
         Batch {
             rows: 0,
-            x: vec![[0.0; TILE]; inputs],
-            target: [[0.0; TILE]; CHANNELS],
-            gain: [[0.0; TILE]; CHANNELS],
-            base: [0.0; TILE],
+            x: vec![[0.0; TILE_ROWS]; inputs],
+            target: [[0.0; TILE_ROWS]; CHANNELS],
+            gain: [[0.0; TILE_ROWS]; CHANNELS],
+            base: [0.0; TILE_ROWS],
         }
     }
 
     /// Takes every row out, so that a shorter tile leaves nothing behind.
     pub fn clear(&mut self) {
         self.rows = 0;
-        self.x.iter_mut().for_each(|lane| *lane = [0.0; TILE]);
-        self.gain = [[0.0; TILE]; CHANNELS];
-        self.target = [[0.0; TILE]; CHANNELS];
-        self.base = [0.0; TILE];
+        self.x.iter_mut().for_each(|lane| *lane = [0.0; TILE_ROWS]);
+        self.gain = [[0.0; TILE_ROWS]; CHANNELS];
+        self.target = [[0.0; TILE_ROWS]; CHANNELS];
+        self.base = [0.0; TILE_ROWS];
     }
 }
 
@@ -57,7 +57,7 @@ pub trait Rows {
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Loads up to [`TILE`] rows from row `first` on into a cleared batch.
+    /// Loads up to [`TILE_ROWS`] rows from row `first` on into a cleared batch.
     fn load(&self, first: usize, batch: &mut Batch);
     /// Whether they are few enough to be held in memory, with what a pass makes of each.
     fn held(&self) -> bool {
@@ -86,17 +86,17 @@ pub struct Tile {
     /// The rows.
     pub batch: Batch,
     /// Hidden units after tanh: `hidden[l]` feeds weight layer l + 1.
-    pub(crate) hidden: Vec<Vec<Lane>>,
+    pub(crate) hidden: Vec<Vec<TileLane>>,
     /// Outputs.
-    pub out: [Lane; CHANNELS],
+    pub out: [TileLane; CHANNELS],
     /// Whether outputs are exponentials of the last layer's sums.
     pub(crate) exponential: bool,
     /// Square root of the weight of each residual, times ∂out / ∂(last layer's sum).
-    pub(crate) s: [Lane; CHANNELS],
+    pub(crate) s: [TileLane; CHANNELS],
     /// Weighted residuals s (out − target).
-    pub(crate) r: [Lane; CHANNELS],
+    pub(crate) r: [TileLane; CHANNELS],
     /// s_c ∂out_c / ∂(unit before tanh), at `[l][c * units + j]`.
-    pub(crate) g: Vec<Vec<Lane>>,
+    pub(crate) g: Vec<Vec<TileLane>>,
 }
 
 impl Tile {
@@ -106,18 +106,21 @@ impl Tile {
         let inner = sizes
             .get(1..sizes.len().saturating_sub(1))
             .unwrap_or_default();
-        let room = |times: usize| -> Vec<Vec<Lane>> {
-            inner.iter().map(|n| vec![[0.0; TILE]; n * times]).collect()
+        let room = |times: usize| -> Vec<Vec<TileLane>> {
+            inner
+                .iter()
+                .map(|n| vec![[0.0; TILE_ROWS]; n * times])
+                .collect()
         };
         Tile {
             batch: Batch::new(sizes.first().copied().unwrap_or(0)),
             hidden: room(1),
             g: room(CHANNELS),
             offsets: shape.offsets(),
-            out: [[0.0; TILE]; CHANNELS],
+            out: [[0.0; TILE_ROWS]; CHANNELS],
             exponential: false,
-            s: [[0.0; TILE]; CHANNELS],
-            r: [[0.0; TILE]; CHANNELS],
+            s: [[0.0; TILE_ROWS]; CHANNELS],
+            r: [[0.0; TILE_ROWS]; CHANNELS],
             sizes,
         }
     }
@@ -133,7 +136,7 @@ impl Tile {
     }
 
     /// The lanes that feed weight layer `l`.
-    pub(crate) fn input_of(&self, l: usize) -> &[Lane] {
+    pub(crate) fn input_of(&self, l: usize) -> &[TileLane] {
         if l == 0 {
             &self.batch.x
         } else {
@@ -172,14 +175,14 @@ impl Tile {
     pub fn residuals(&mut self, divisor: &[f64]) -> f64 {
         let mut sum = 0.0;
         for c in 0..CHANNELS {
-            self.s[c] = [0.0; TILE];
+            self.s[c] = [0.0; TILE_ROWS];
             for (s, (k, d)) in self.s[c]
                 .iter_mut()
                 .zip(self.batch.gain[c].iter().zip(divisor))
             {
                 *s = k * d;
             }
-            for i in 0..TILE {
+            for i in 0..TILE_ROWS {
                 self.r[c][i] = self.s[c][i] * (self.out[c][i] - self.batch.target[c][i]);
             }
             sum += self.r[c].iter().map(|r| r * r).sum::<f64>();
@@ -195,13 +198,13 @@ impl Tile {
 
     /// Mean of the channels of `share` times the targets plus 1 − `share` times the
     /// present outputs.
-    pub fn channel_mean(&self, share: f64) -> Lane {
+    pub fn channel_mean(&self, share: f64) -> TileLane {
         let Batch {
             gain, target, base, ..
         } = &self.batch;
-        let mut sum = [0.0; TILE];
+        let mut sum = [0.0; TILE_ROWS];
         for c in 0..CHANNELS {
-            for i in 0..TILE {
+            for i in 0..TILE_ROWS {
                 let value = share * target[c][i] + (1.0 - share) * self.out[c][i];
                 sum[i] += gain[c][i] * value;
             }
@@ -239,7 +242,7 @@ impl Tile {
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
-fn dense(w: &[f64], x: &[Lane], out: &mut [Lane]) {
+fn dense(w: &[f64], x: &[TileLane], out: &mut [TileLane]) {
     if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
         dense_rows::<true>(w, x, out);
     } else {
@@ -251,7 +254,7 @@ fn dense(w: &[f64], x: &[Lane], out: &mut [Lane]) {
 const STRIP: usize = 32;
 
 #[inline(always)]
-fn dense_rows<const FMA: bool>(w: &[f64], x: &[Lane], out: &mut [Lane]) {
+fn dense_rows<const FMA: bool>(w: &[f64], x: &[TileLane], out: &mut [TileLane]) {
     for (out, w) in out.iter_mut().zip(w.chunks_exact(x.len() + 1)) {
         for (first, strip) in out.chunks_exact_mut(STRIP).enumerate() {
             let mut sum = [w[0]; STRIP];
@@ -271,9 +274,9 @@ fn dense_rows<const FMA: bool>(w: &[f64], x: &[Lane], out: &mut [Lane]) {
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
-fn from_output(row: &[f64], s: &Lane, hidden: &[Lane], g: &mut [Lane]) {
+fn from_output(row: &[f64], s: &TileLane, hidden: &[TileLane], g: &mut [TileLane]) {
     for ((g, h), w) in g.iter_mut().zip(hidden).zip(&row[1..]) {
-        for i in 0..TILE {
+        for i in 0..TILE_ROWS {
             g[i] = s[i] * w * (1.0 - h[i] * h[i]);
         }
     }
@@ -285,7 +288,7 @@ fn from_output(row: &[f64], s: &Lane, hidden: &[Lane], g: &mut [Lane]) {
     "x86_64+avx2+fma",
     "aarch64+neon"
 ))]
-pub(crate) fn from_above(w: &[f64], above: &[Lane], hidden: &[Lane], g: &mut [Lane]) {
+pub(crate) fn from_above(w: &[f64], above: &[TileLane], hidden: &[TileLane], g: &mut [TileLane]) {
     if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
         from_above_rows::<true>(w, above, hidden, g);
     } else {
@@ -294,7 +297,12 @@ pub(crate) fn from_above(w: &[f64], above: &[Lane], hidden: &[Lane], g: &mut [La
 }
 
 #[inline(always)]
-fn from_above_rows<const FMA: bool>(w: &[f64], above: &[Lane], hidden: &[Lane], g: &mut [Lane]) {
+fn from_above_rows<const FMA: bool>(
+    w: &[f64],
+    above: &[TileLane],
+    hidden: &[TileLane],
+    g: &mut [TileLane],
+) {
     let stride = hidden.len() + 1;
     for (k, (g, h)) in g.iter_mut().zip(hidden).enumerate() {
         for (first, strip) in g.chunks_exact_mut(STRIP).enumerate() {

@@ -2,7 +2,7 @@
 
 use super::chunk::Chunk;
 use super::units::{Input, Units};
-use crate::net::simd::TILE;
+use crate::net::simd::TILE_ROWS;
 use crate::net::tile::{Batch, CHANNELS, Rows};
 use rrf_field::inputs;
 use rrf_metrics::channel_mean;
@@ -63,7 +63,7 @@ impl MemoryRows {
 
     /// A tile from `first` on that ends at `end` at the latest.
     pub(crate) fn load_until(&self, first: usize, end: usize, batch: &mut Batch) {
-        let rows = TILE.min(end.saturating_sub(first));
+        let rows = TILE_ROWS.min(end.saturating_sub(first));
         batch.rows = rows;
         for (lane, column) in batch.x.iter_mut().zip(&self.x) {
             for (x, value) in lane.iter_mut().zip(&column[first..first + rows]) {

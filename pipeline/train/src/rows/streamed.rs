@@ -8,7 +8,7 @@
 use super::memory::MemoryRows;
 use super::scratch::{Scratch, WINDOW};
 use super::units::Units;
-use crate::net::simd::TILE;
+use crate::net::simd::TILE_ROWS;
 use crate::net::tile::{Batch, Rows};
 use std::cell::RefCell;
 use std::ops::Range;
@@ -49,7 +49,7 @@ impl<'a> StreamedRows<'a> {
 
     /// A tile from `first` on that ends at `end` at the latest.
     pub fn load_until(&self, first: usize, end: usize, batch: &mut Batch) {
-        let until = end.min(first + TILE);
+        let until = end.min(first + TILE_ROWS);
         let mut held = self.held.borrow_mut();
         let inside =
             |(start, rows): &(usize, MemoryRows)| *start <= first && until <= *start + rows.len();

@@ -4,7 +4,7 @@ use rrf_field::net::{self, Shape};
 use rrf_lm::{LmConfig, Minimum, NormalEquations, Problem, Scaling, Solver, Termination, minimise};
 use rrf_sampling::{Stage, Stream};
 use rrf_train::net::problem::{Loss, NetProblem};
-use rrf_train::net::simd::TILE;
+use rrf_train::net::simd::TILE_ROWS;
 use rrf_train::net::tile::{Batch, Rows};
 
 /// 400 rows of three inputs whose targets a net of the same shape made: an exact teacher.
@@ -43,7 +43,7 @@ impl Rows for Taught {
 
     fn load(&self, first: usize, batch: &mut Batch) {
         let stream = Stream::new(9, Stage::Test, 2);
-        batch.rows = TILE.min(ROWS - first);
+        batch.rows = TILE_ROWS.min(ROWS - first);
         for i in 0..batch.rows {
             let at = (first + i) as u64;
             let x: Vec<f64> = (0..3).map(|d| 3.4 * stream.f64(at, d) - 1.7).collect();
