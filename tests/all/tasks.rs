@@ -90,9 +90,15 @@ fn wrong_calls() {
     refused(&first, &["task 0", "missing", "rrf plan"]);
     // another run's, other rows than were planned, and one that begins elsewhere
     change("\"seed\":1", "\"seed\":2");
-    refused(&first, &["task 0", "not one of this run", "rrf plan"]);
+    refused(
+        &first,
+        &["task 0", "does not belong to this run", "rrf plan"],
+    );
     change("\"paths\":", "\"paths\":1");
-    refused(&first, &["task 0", "not one of this run", "rrf plan"]);
+    refused(
+        &first,
+        &["task 0", "does not belong to this run", "rrf plan"],
+    );
     change("\"first\":0", "\"first\":1");
     refused(&first, &["task 0", "does not have it", "rrf plan"]);
     done(&["plan", &run]);

@@ -65,7 +65,7 @@ pub enum BakeError {
         last: u32,
     },
     /// A plan is inconsistent.
-    #[error("round {round}: {reason}. Bake into a new folder")]
+    #[error("round {round}: {reason}")]
     Plan {
         /// The round.
         round: u32,
@@ -141,7 +141,7 @@ impl BakeError {
     pub(crate) fn missing_draw(round: u32, draw: u32) -> BakeError {
         BakeError::Plan {
             round,
-            reason: format!("draw {draw} is missing"),
+            reason: format!("draw {draw} is missing. Bake into a new folder"),
         }
     }
 

@@ -21,7 +21,10 @@ pub(crate) fn extract_part(
     let part = cell.parts.iter().find(|p| Some(p.part) == job.task.part);
     let part = part.ok_or_else(|| BakeError::Plan {
         round: job.facts.round,
-        reason: format!("cell {}: the part of a task is missing", cell.cell),
+        reason: format!(
+            "cell {}: the part of a task is missing. Bake into a new folder",
+            cell.cell
+        ),
     })?;
     let table = match taken(run, job, part)? {
         Some(table) => table,
@@ -45,7 +48,9 @@ fn taken(run: &Run, job: &Job, part: &PartPlan) -> Result<Option<SampleTable>, B
     if !table.index.iter().all(of_draw) {
         return Err(BakeError::Plan {
             round: job.facts.round,
-            reason: format!("part {number} of cell {cell} belongs to another draw"),
+            reason: format!(
+                "part {number} of cell {cell} belongs to another draw. Bake into a new folder"
+            ),
         });
     }
     Ok(Some(table))
