@@ -29,7 +29,7 @@ pub struct Field {
 /// A cell's model, laid out for evaluation.
 #[derive(Clone, Debug)]
 pub(crate) enum Ready {
-    Net(Packed),
+    Net(Box<Packed>),
     Baseline(Box<Baseline>),
 }
 
@@ -37,7 +37,7 @@ impl Ready {
     fn new(model: &CellModel) -> Ready {
         match Baseline::new(model) {
             Some(baseline) => Ready::Baseline(Box::new(baseline)),
-            None => Ready::Net(Packed::new(model)),
+            None => Ready::Net(Box::new(Packed::new(model))),
         }
     }
 

@@ -29,11 +29,19 @@ impl Reads {
     }
 }
 
+impl Reads {
+    /// The places in either set.
+    #[inline(always)]
+    fn union(self, other: Reads) -> Reads {
+        Reads(self.0 | other.0)
+    }
+}
+
 impl Add for Reads {
     type Output = Reads;
 
     fn add(self, other: Reads) -> Reads {
-        Reads(self.0 | other.0)
+        self.union(other)
     }
 }
 
@@ -41,7 +49,7 @@ impl Sub for Reads {
     type Output = Reads;
 
     fn sub(self, other: Reads) -> Reads {
-        self + other
+        self.union(other)
     }
 }
 
@@ -49,7 +57,7 @@ impl Mul for Reads {
     type Output = Reads;
 
     fn mul(self, other: Reads) -> Reads {
-        self + other
+        self.union(other)
     }
 }
 

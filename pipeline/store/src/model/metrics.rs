@@ -66,10 +66,13 @@ pub struct Seams {
     pub change: Option<Spread>,
 }
 
+/// A column's name, and its value of a row.
+type Getter<N, T, V> = (N, fn(T) -> V);
+
 /// Four columns, of which the relative error and its standard error are for people.
 impl RowField for Option<SquareError> {
     fn write(name: &str, values: &[&Self], to: &mut Arrays) {
-        let columns: [(String, fn(SquareError) -> f64); 4] = [
+        let columns: [Getter<String, SquareError, f64>; 4] = [
             (format!("relative_error_{name}"), |e| e.relative().0),
             (format!("relative_error_{name}_se"), |e| e.relative().1),
             (format!("relative_square_error_{name}"), |e| e.mean),
@@ -120,7 +123,7 @@ impl RowField for Option<Seams> {
             .map(|seams| Some(seams.as_ref()?.rows))
             .collect();
         RowField::write(SEAM_ROWS, &rows.iter().collect::<Vec<_>>(), to);
-        let spreads: [(&str, fn(&Seams) -> Option<Spread>); 2] = [
+        let spreads: [Getter<&str, &Seams, Option<Spread>>; 2] = [
             (SEAM_JUMP, |seams| seams.jump),
             (SEAM_CHANGE, |seams| seams.change),
         ];

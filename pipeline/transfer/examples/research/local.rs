@@ -30,14 +30,14 @@ pub fn predict(table: &Table, truth: &Truth, values: &[Vec<Entry>], local: &Loca
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         near.truncate(local.neighbours);
         let weights = fit(table, own, &near, local);
-        for light in 0..lights {
+        all.extend((0..lights).map(|light| {
             let mut sum = Entry::default();
             for (&(_, i), &w) in near.iter().zip(&weights) {
                 sum.base += values[i][light].base * w;
                 sum.constant += values[i][light].constant * w;
             }
-            all.push(sum.coloured(own.colour).max(Vec3::ZERO));
-        }
+            sum.coloured(own.colour).max(Vec3::ZERO)
+        }));
     }
     all
 }

@@ -349,8 +349,8 @@ fn weigh(table: &mut Table, rows: &TransferRows, ensemble: &Ensemble) {
 /// How much a row gets and of what kind, both relative.
 fn features(row: &Row, halves: &[Vec<Entry>; 2]) -> Vec<f32> {
     let mut f = vec![1.5 * -row.weight.ln()];
-    for k in 0..6.min(halves[0].len()) {
-        let both = halves[0][k].coloured(row.colour) + halves[1][k].coloured(row.colour);
+    for (one, other) in halves[0].iter().zip(&halves[1]).take(6) {
+        let both = one.coloured(row.colour) + other.coloured(row.colour);
         f.push(0.5 * both.element_sum() / 3.0 * row.weight);
     }
     f

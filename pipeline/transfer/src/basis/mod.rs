@@ -311,9 +311,9 @@ fn combined(
         .into_par_iter()
         .flat_map_iter(|k| {
             let mut sum = vec![0.0f64; rows.width];
-            for row in 0..rows.len() {
-                let by = [0, 1, 2].map(|c| factor(k, 3 * row + c) * weights.rows[row]);
-                for (column, value) in mean_entries(rows, row, colours[row]) {
+            for (row, (&colour, &weight)) in colours.iter().zip(&weights.rows).enumerate() {
+                let by = [0, 1, 2].map(|c| factor(k, 3 * row + c) * weight);
+                for (column, value) in mean_entries(rows, row, colour) {
                     let parts = (0..3).map(|c| by[c] * f64::from(value[c]));
                     sum[column as usize] += parts.sum::<f64>();
                 }

@@ -10,7 +10,7 @@ const OWN: f64 = 0.5;
 /// Steps of the octahedral map that normals are sorted by, along each axis.
 const TURNS: f64 = 6.0;
 /// Where the grid of places begins, in cells: away from the planes that scenes like to use.
-const SHIFT: f64 = 0.318_309_9;
+const SHIFT: f64 = 0.311_7;
 
 /// Object, material, emission; cell size, direction and cell of the place.
 type Key = ([i64; 3], i64, [i64; 2], [i64; 3]);

@@ -123,9 +123,9 @@ fn group(scene: &Scene, triangles: Vec<u32>) -> Option<Group> {
     for &triangle in &triangles {
         for corner in corners(scene, triangle) {
             let at = frame.flat(corner);
-            for axis in 0..2 {
-                span.low[axis] = span.low[axis].min(at[axis]);
-                span.high[axis] = span.high[axis].max(at[axis]);
+            for (axis, x) in at.into_iter().enumerate() {
+                span.low[axis] = span.low[axis].min(x);
+                span.high[axis] = span.high[axis].max(x);
             }
         }
     }
