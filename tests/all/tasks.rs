@@ -100,7 +100,7 @@ fn wrong_calls() {
         &["task 0", "does not belong to this run", "rrf plan"],
     );
     change("\"first\":0", "\"first\":1");
-    refused(&first, &["task 0", "does not have it", "rrf plan"]);
+    refused(&first, &["task 0", "does not contain it", "rrf plan"]);
     done(&["plan", &run]);
     done(&first);
 }
