@@ -29,7 +29,7 @@ impl AreaLight {
         if self.two_sided { 2.0 } else { 1.0 }
     }
 
-    /// Radiant power [W] of a surface of this area [m²]: π times area times radiance a side.
+    /// Radiant power \[W\] of a surface of this area \[m²\]: π times area times radiance a side.
     pub fn power(&self, area: f64) -> [f64; 3] {
         let power = self.radiance.as_dvec3() * (std::f64::consts::PI * area * self.sides());
         power.to_array()
@@ -57,7 +57,7 @@ pub struct EmittingPoint {
 }
 
 impl EmittingTriangles {
-    /// From each triangle's area [m²] and exitance, up to a common factor: power an area, all
+    /// From each triangle's area \[m²\] and exitance, up to a common factor: power an area, all
     /// sides and channels together, 0 where it does not emit.
     pub fn new(triangles: impl ExactSizeIterator<Item = (f64, f64)>) -> EmittingTriangles {
         let mut emitting = EmittingTriangles {

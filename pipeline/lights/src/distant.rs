@@ -6,7 +6,7 @@ use crate::warp::{about, spread_between, spread_of, uniform_cone, uniform_cone_d
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// Angular diameter of the sun seen from the earth [degrees].
+/// Angular diameter of the sun seen from the earth \[degrees\].
 pub const SUN_DIAMETER: f32 = 0.53;
 
 /// A disk of constant radiance, infinitely far away.
@@ -16,7 +16,7 @@ pub struct DistantLight {
     pub toward: Vec3,
     /// Irradiance on a plane that faces the middle [W/m²].
     pub irradiance: Vec3,
-    /// Angular diameter [degrees]; 0: parallel light.
+    /// Angular diameter \[degrees\]; 0: parallel light.
     pub diameter: f32,
 }
 
@@ -28,7 +28,7 @@ pub fn sky_direction(azimuth: f64, elevation: f64) -> Vec3 {
     glam::DVec3::new(along * sine, height, -along * cosine).as_vec3()
 }
 
-/// Azimuth and elevation [degrees] of a direction: the inverse of [`sky_direction`], azimuth
+/// Azimuth and elevation \[degrees\] of a direction: the inverse of [`sky_direction`], azimuth
 /// in [0, 360).
 pub fn azimuth_elevation(toward: Vec3) -> [f64; 2] {
     let d = toward.as_dvec3().normalize_or_zero();

@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 pub enum Profile {
     /// A picture over the sphere, in the world's directions.
     Picture(EnvironmentMap),
-    /// A lamp maker's table [cd]; the matrix turns world directions into its frame
+    /// A lamp maker's table \[cd\]; the matrix turns world directions into its frame
     /// ([`crate::Photometry`]), and may mirror them.
     Ies(IesProfile, Mat3),
 }

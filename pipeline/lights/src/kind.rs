@@ -85,7 +85,7 @@ pub trait LightKind: Clone + PartialEq {
         None
     }
 
-    /// Radiant power [W]: all that a point emits, or that a light from afar sends through a
+    /// Radiant power \[W\]: all that a point emits, or that a light from afar sends through a
     /// sphere of this radius.
     fn power(&self, scene_radius: f32) -> Vec3;
 

@@ -39,9 +39,9 @@ pub struct SpotLight {
     pub axis: Vec3,
     /// Radiant intensity a channel on the axis [W/sr].
     pub intensity: Vec3,
-    /// Half angle within which the intensity is full [radians].
+    /// Half angle within which the intensity is full \[radians\].
     pub inner: f32,
-    /// Half angle beyond which there is no light [radians], at most π.
+    /// Half angle beyond which there is no light \[radians\], at most π.
     pub outer: f32,
     /// The course between them.
     pub falloff: Falloff,
@@ -75,7 +75,7 @@ impl SpotLight {
         }
     }
 
-    /// The solid angle that, filled with the axis' intensity, has the light's power [sr]:
+    /// The solid angle that, filled with the axis' intensity, has the light's power \[sr\]:
     /// 2π times the integral of the falloff over the cosine. (A glTF light whose cones are less
     /// than 0.001 apart near the axis never reaches its full intensity; this leaves it out.)
     pub fn solid_angle(&self) -> f32 {

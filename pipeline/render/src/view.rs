@@ -15,7 +15,7 @@ pub struct View {
     pub up: Vec3,
     /// World viewing direction.
     pub forward: Vec3,
-    /// Full angle of the shorter image side [degrees].
+    /// Full angle of the shorter image side \[degrees\].
     pub fov: f32,
     /// Image width in pixels.
     pub width: u32,

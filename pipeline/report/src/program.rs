@@ -25,9 +25,9 @@ pub struct Call<'a> {
 /// A command that ended well.
 #[derive(Clone, Copy, Debug)]
 pub struct Finished {
-    /// Wall time [s].
+    /// Wall time \[s\].
     pub seconds: f64,
-    /// User and system time on all cores together [s].
+    /// User and system time on all cores together \[s\].
     pub cpu_seconds: f64,
 }
 

@@ -30,6 +30,6 @@ pub enum LightUnits {
     Spec,
     /// Radiant intensity [W/sr].
     Compat,
-    /// Radiant power [W] over the whole sphere: 4 pi times the intensity.
+    /// Radiant power \[W\] over the whole sphere: 4 pi times the intensity.
     Raw,
 }

@@ -19,7 +19,7 @@ pub struct Camera {
     pub up: Vec3,
     /// World viewing direction.
     pub forward: Vec3,
-    /// Full angle of the shorter image side [degrees].
+    /// Full angle of the shorter image side \[degrees\].
     pub fov: f32,
     /// Image width in pixels.
     pub width: u32,
@@ -53,7 +53,7 @@ pub struct Scene {
     pub triangles: Vec<[u32; 3]>,
     /// Material id of each triangle.
     pub triangle_material: Vec<u32>,
-    /// Area light id of each triangle, or [`INVALID`].
+    /// Area light id of each triangle, or `INVALID`.
     pub triangle_light: Vec<u32>,
     /// Object (shape of the file) id of each triangle.
     pub triangle_object: Vec<u32>,

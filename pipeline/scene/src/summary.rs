@@ -103,7 +103,7 @@ pub struct AreaLightSummary {
     pub triangles: u64,
     /// Their area, one side.
     pub area: f64,
-    /// Radiant power pi * area * radiance, twice for two sides [W].
+    /// Radiant power pi * area * radiance, twice for two sides \[W\].
     pub power: [f64; 3],
 }
 
@@ -120,7 +120,7 @@ pub struct CameraSummary {
     pub up: [f32; 3],
     /// The picture is a mirror image of the world: its right is against forward x up.
     pub mirrored: bool,
-    /// Full angle of the shorter side [degrees].
+    /// Full angle of the shorter side \[degrees\].
     pub fov: f32,
     /// Pixels across.
     pub width: u32,

@@ -34,7 +34,7 @@ pub struct RunManifest {
     pub scene_hash: String,
     /// Seed of every random number.
     pub seed: u64,
-    /// Where lights may be: least x y z, greatest x y z [m], world frame.
+    /// Where lights may be: least x y z, greatest x y z \[m\], world frame.
     pub light_box: [f32; 6],
     /// Every other setting, as the stages take them.
     pub config: serde_json::Value,

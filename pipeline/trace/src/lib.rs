@@ -6,7 +6,7 @@
 //! lamps shine.
 //! Paths travel in waves over columns (`wave`); their rays walk an eight-wide hierarchy
 //! (`walk`); surfaces scatter as [`rrf_materials`] says. Random numbers are a function of indices
-//! ([`Stream`]), so that any part of any result can be made again alone, on any number of
+//! (`Stream`), so that any part of any result can be made again alone, on any number of
 //! threads.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]

@@ -19,7 +19,7 @@ pub trait Watch: Sync {
     fn sync(&self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         Ok(())
     }
-    /// Memory that all tasks in work may need together [bytes]; none for no limit.
+    /// Memory that all tasks in work may need together \[bytes\]; none for no limit.
     fn memory(&self) -> Option<u64> {
         None
     }

@@ -82,7 +82,7 @@ pub struct RoundPlan {
     /// Channel mean of the indirect radiance over the pilot rows of the first plan [W·sr⁻¹·m⁻²].
     #[serde(rename = "mean_luminance")]
     pub mean_radiance: f32,
-    /// Diagonal of the scene's bounds [m].
+    /// Diagonal of the scene's bounds \[m\].
     pub diagonal: f32,
     /// Predicted seconds of one core for one path.
     pub path_seconds: f64,

@@ -42,8 +42,8 @@ pub struct Task {
     pub hash: String,
     /// Predicted seconds of one core.
     pub seconds: f64,
-    /// Upper bound of the memory needed [bytes].
+    /// Upper bound of the memory needed \[bytes\].
     pub memory: u64,
-    /// Memory that is enough when a fit keeps its rows in a file [bytes].
+    /// Memory that is enough when a fit keeps its rows in a file \[bytes\].
     pub least_memory: u64,
 }

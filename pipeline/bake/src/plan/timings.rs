@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Wall time of a round's stages on one machine [s]. Stages that were interrupted and continued add up;
+/// Wall time of a round's stages on one machine \[s\]. Stages that were interrupted and continued add up;
 /// the time of a killed process is not included, nor that of tasks done by other processes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timings {
@@ -16,7 +16,7 @@ pub struct Timings {
 }
 
 impl Timings {
-    /// The sum of all stages [s].
+    /// The sum of all stages \[s\].
     pub fn total(&self) -> f64 {
         self.extract + self.train + self.evaluate
     }

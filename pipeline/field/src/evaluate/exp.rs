@@ -9,7 +9,7 @@ pub const MAX_EXPONENT: f32 = 12.0;
 /// Below this the result is no longer a normal f32; the argument is held there.
 const LEAST_EXPONENT: f32 = -87.0;
 
-/// Largest relative error of [`exp`] on its range, in both forms.
+/// Largest relative error of `exp` on its range, in both forms.
 pub const EXP_ERROR: f32 = 3.0e-7;
 
 /// Coefficients 1/k! from k = 0: the remainder at |r| = ln 2 / 2 is 0.35^8 / 8! = 5e-9.

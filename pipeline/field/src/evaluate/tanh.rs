@@ -15,7 +15,7 @@ const Q: [f32; 5] = [
     2.432_978_8e-7,
 ];
 
-/// Largest relative error of [`tanh`] over all finite f32, in both forms.
+/// Largest relative error of `tanh` over all finite f32, in both forms.
 pub const TANH_ERROR: f32 = 5.0e-7;
 
 /// tanh(x) within [`TANH_ERROR`] relative; NaN stays NaN.

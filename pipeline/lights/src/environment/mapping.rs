@@ -42,7 +42,7 @@ impl Mapping {
         }
     }
 
-    /// Solid angle of a texel in this row [sr].
+    /// Solid angle of a texel in this row \[sr\].
     pub fn texel_solid_angle(self, row: u32, width: u32, height: u32) -> f64 {
         match self {
             Mapping::LatLong => {

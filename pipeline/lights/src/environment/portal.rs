@@ -65,7 +65,7 @@ impl Portal {
         self.axes[2].as_vec3()
     }
 
-    /// Solid angle [sr] that the portal covers from a point; 0 in its plane.
+    /// Solid angle \[sr\] that the portal covers from a point; 0 in its plane.
     pub fn solid_angle(&self, at: Vec3) -> f64 {
         self.seen(at).map_or(0.0, |seen| seen.solid_angle)
     }

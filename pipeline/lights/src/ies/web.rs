@@ -15,7 +15,7 @@ pub enum Photometry {
     A,
 }
 
-/// Luminous intensity of a luminaire by direction [cd].
+/// Luminous intensity of a luminaire by direction \[cd\].
 #[derive(Clone, Debug, PartialEq)]
 pub struct IesProfile {
     photometry: Photometry,
@@ -80,7 +80,7 @@ impl IesProfile {
         })
     }
 
-    /// Intensity [cd] in a direction of the profile's frame ([`Photometry`]); linear between the
+    /// Intensity \[cd\] in a direction of the profile's frame ([`Photometry`]); linear between the
     /// angles of the table, 0 beyond them.
     pub fn candela(&self, d: Vec3) -> f32 {
         let d = d.as_dvec3().normalize_or_zero();
@@ -92,7 +92,7 @@ impl IesProfile {
         self.at(vertical.to_degrees() as f32, horizontal.to_degrees() as f32)
     }
 
-    /// Intensity [cd] at a vertical and a horizontal angle [degrees], by the table's symmetry.
+    /// Intensity \[cd\] at a vertical and a horizontal angle \[degrees\], by the table's symmetry.
     pub fn at(&self, vertical: f32, horizontal: f32) -> f32 {
         let (first, last) = (self.horizontal.first(), self.horizontal.last());
         let (&first, &last) = (first.unwrap_or(&0.0), last.unwrap_or(&0.0));
@@ -132,7 +132,7 @@ impl IesProfile {
         bracket(&self.horizontal, horizontal)
     }
 
-    /// Luminous flux over the sphere [lm], by midpoints of one degree.
+    /// Luminous flux over the sphere \[lm\], by midpoints of one degree.
     pub fn lumens(&self) -> f64 {
         let step = PI / 180.0;
         let mut sum = 0.0;
@@ -148,7 +148,7 @@ impl IesProfile {
         sum
     }
 
-    /// Largest intensity [cd].
+    /// Largest intensity \[cd\].
     pub fn peak(&self) -> f32 {
         self.candela.iter().copied().fold(0.0, f32::max)
     }

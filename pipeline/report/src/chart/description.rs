@@ -55,7 +55,7 @@ pub struct Point {
     pub y: f64,
     /// Standard error of `y`; 0 for no bar.
     pub se: f64,
-    /// Radius of the mark [pixels]; 0 for none.
+    /// Radius of the mark \[pixels\]; 0 for none.
     pub radius: u32,
     /// Shown where the mark is pointed at.
     pub text: String,
