@@ -69,7 +69,7 @@ pub enum BakeError {
     Plan {
         /// The round.
         round: u32,
-        /// What is wrong.
+        /// The fault found.
         reason: String,
     },
     /// An extraction needs the scene.
@@ -80,7 +80,7 @@ pub enum BakeError {
     Setting {
         /// The option.
         option: String,
-        /// What is wrong.
+        /// The fault found.
         reason: String,
     },
     /// A round cannot be committed yet.

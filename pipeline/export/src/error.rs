@@ -28,7 +28,7 @@ pub enum ExportError {
     Model {
         /// The cell.
         cell: u32,
-        /// What is wrong.
+        /// The fault found.
         reason: String,
     },
 }

@@ -6,7 +6,7 @@ pub enum FieldError {
     /// The tree's columns do not form a binary tree.
     #[error("kd-tree: {reason}; the run's tree table is damaged, bake again")]
     Tree {
-        /// What is wrong with it.
+        /// The fault found.
         reason: String,
     },
     /// The leaves and the models do not match one to one.
@@ -25,7 +25,7 @@ pub enum FieldError {
     Model {
         /// Its place among the models.
         cell: usize,
-        /// What is wrong with it.
+        /// The fault found.
         reason: String,
     },
     /// A batch whose columns differ in length.

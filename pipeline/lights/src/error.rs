@@ -55,7 +55,7 @@ pub enum LightError {
     Ies {
         /// Line, from 1.
         line: usize,
-        /// What is wrong and what would be right.
+        /// The fault and its remedy.
         message: String,
     },
 }

@@ -1,6 +1,6 @@
 //! Why two pictures could not be compared.
 
-/// What is wrong with the pictures.
+/// A fault of the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MetricsError {
     /// Pictures without pixels.

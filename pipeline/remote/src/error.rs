@@ -10,7 +10,7 @@ pub enum RemoteError {
     Url {
         /// As it was given.
         url: String,
-        /// What is wrong with it.
+        /// The fault found.
         reason: String,
     },
     /// The store refused or could not be reached.

@@ -42,7 +42,7 @@ pub enum RenderError {
     /// A view that shows nothing.
     #[error("the view cannot be rendered: {reason}")]
     View {
-        /// What is wrong.
+        /// The fault found.
         reason: &'static str,
     },
     /// A point light with a position or intensity that is not finite.

@@ -99,7 +99,7 @@ pub enum StoreError {
         column: String,
         /// Row from 0.
         row: usize,
-        /// What is wrong and what would be right.
+        /// The fault and its remedy.
         reason: String,
     },
     /// The tables of a model do not make a model.
@@ -109,7 +109,7 @@ pub enum StoreError {
         path: PathBuf,
         /// `node 3`, `cell 12`.
         place: String,
-        /// What is wrong.
+        /// The fault found.
         reason: String,
         /// What to do.
         remedy: &'static str,
@@ -151,7 +151,7 @@ pub enum StoreError {
     BuiltIn {
         /// The schema.
         table: &'static str,
-        /// What is wrong.
+        /// The fault found.
         reason: String,
     },
 }

@@ -15,7 +15,7 @@ pub struct CellEvaluation {
     pub square_error: f64,
     /// Standard error of `square_error`.
     pub square_error_se: f64,
-    /// The same mean over its training rows; 0 where unknown.
+    /// Mean relative square error over its training rows; 0 where unknown.
     pub train_square_error: f64,
     /// Relative standard error of the targets.
     pub noise: f64,

@@ -3,7 +3,7 @@
 use crate::plan::round::RoundPlan;
 use crate::plan::stop::StopReason;
 
-/// What follows a round.
+/// The successor of a round.
 #[derive(Clone, Debug)]
 pub enum Next {
     /// Another round.

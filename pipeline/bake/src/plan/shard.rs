@@ -20,7 +20,7 @@ pub(crate) struct TaskShard {
     pub seed: u64,
     /// Number of tasks of the round.
     pub tasks: u32,
-    /// What all tasks of the round share.
+    /// Facts that all tasks of the round share.
     pub shared: RoundFacts,
     /// Id of the first task in this shard.
     pub first: u32,
@@ -36,7 +36,7 @@ pub(crate) struct ShardEntry {
     pub cell: CellTasks,
 }
 
-/// What all tasks of a round share.
+/// Facts that all tasks of a round share.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct RoundFacts {
     pub round: u32,
@@ -58,7 +58,7 @@ impl RoundFacts {
     }
 }
 
-/// What all tasks of a cell share.
+/// Facts that all tasks of a cell share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CellTasks {
     pub plan: CellPlan,
