@@ -21,7 +21,8 @@ use rrf_field::inputs::NAMES;
 use rrf_field::model::CellModel;
 use rrf_field::tree::Tree;
 use safetensors::tensor::{Dtype, TensorView};
-use std::collections::HashMap;
+use serde_json::value::RawValue;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 /// A tensor's name, type, shape and little-endian bytes.
@@ -56,9 +57,31 @@ pub fn write_safetensors(
     metadata.insert("format".into(), "rrf-nets-1".into());
     metadata.insert("inputs".into(), NAMES.join(" "));
     metadata.insert("raw_columns".into(), columns::NAMES.join(" "));
-    let bytes =
-        safetensors::serialize(views, Some(metadata)).map_err(|e| ExportError::write(path, e))?;
+    let bytes = safetensors::serialize(views, Some(metadata))
+        .map_err(|e| ExportError::write(path, e))
+        .and_then(|bytes| sort_header(&bytes).map_err(|e| ExportError::write(path, e)))?;
     std::fs::write(path, bytes).map_err(|e| ExportError::write(path, e))
+}
+
+/// The file with the names of its header in order: the library keeps metadata in a hash map, whose
+/// order differs from one run to the next.
+fn sort_header(file: &[u8]) -> Result<Vec<u8>, serde_json::Error> {
+    let (length, rest) = file.split_at(size_of::<u64>().min(file.len()));
+    let length = length.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b));
+    let (header, data) = rest.split_at(length.min(rest.len()));
+    let mut names: BTreeMap<&str, &RawValue> = serde_json::from_slice(header)?;
+    let sorted = names.get("__metadata__").map(|raw| {
+        let metadata: BTreeMap<String, String> = serde_json::from_str(raw.get())?;
+        serde_json::value::to_raw_value(&metadata)
+    });
+    let sorted = sorted.transpose()?;
+    if let Some(metadata) = &sorted {
+        names.insert("__metadata__", metadata);
+    }
+    let mut header = serde_json::to_vec(&names)?;
+    // tensors begin at a multiple of eight bytes
+    header.resize(header.len().next_multiple_of(8), b' ');
+    Ok([&(header.len() as u64).to_le_bytes(), &*header, data].concat())
 }
 
 fn tree_tensors(tree: &Tree) -> Vec<Tensor> {
@@ -200,6 +223,23 @@ mod tests {
         for (got, wanted) in h.iter().zip(&wanted) {
             assert!((got - wanted).abs() < 16.0 * f64::EPSILON, "{got} {wanted}");
         }
+    }
+
+    #[test]
+    fn the_same_model_has_the_same_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let facts: Vec<(String, String)> = (0..8).map(|i| (format!("f{i}"), "1".into())).collect();
+        let facts: Vec<(&str, String)> = facts.iter().map(|(n, v)| (&**n, v.clone())).collect();
+        let write = |name: &str| {
+            let path = folder.path().join(name);
+            write_safetensors(&path, &Tree::single(), &[cell()], &facts).unwrap();
+            std::fs::read(&path).unwrap()
+        };
+        let first = write("a");
+        assert_eq!(first, write("b"));
+        let (_, metadata) = SafeTensors::read_metadata(&first).unwrap();
+        assert_eq!(metadata.metadata().as_ref().map(HashMap::len), Some(11));
+        assert_eq!(SafeTensors::deserialize(&first).unwrap().len(), 4 + 11);
     }
 
     #[test]
