@@ -111,12 +111,17 @@ fn residual_equals_orthogonal_projection() {
 /// Quadratics see past what is smooth; what bends most decides for the logarithm.
 #[test]
 fn each_rule_finds_what_it_looks_for() {
-    let rows = rows(3000);
-    let bent = |r: &[f32; columns::COUNT]| 1.0 + r[0] * r[0] + if r[7] < 0.5 { 0.0 } else { r[1] };
+    let mut rows = rows(3000);
+    // a gap about the step: elsewhere a cut stands within a share of the rows of it
+    for x in &mut rows.columns[7] {
+        *x = if *x < 0.5 { *x } else { *x + 0.1 };
+    }
+    let bent = |r: &[f32; columns::COUNT]| 1.0 + r[0] * r[0] + if r[7] < 0.55 { 0.0 } else { r[1] };
     let found = cut_by(Rule::Relative, &rows, bent).unwrap();
     assert_eq!(found.axis, 7);
-    assert!((found.threshold - 0.5).abs() < 0.02, "{found:?}");
-    assert!(found.after < 0.2 * found.before, "{found:?}");
+    assert!((0.5..0.6).contains(&found.threshold), "{found:?}");
+    // a quadratic a side; f32 and the ridge leave something
+    assert!(found.after < 1e-5 * found.before, "{found:?}");
     let steep = |r: &[f32; columns::COUNT]| (8.0 * r[3] * r[3]).exp();
     assert_eq!(cut_by(Rule::Logarithm, &rows, steep).unwrap().axis, 3);
 }
