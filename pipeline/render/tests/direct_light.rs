@@ -29,6 +29,7 @@ fn scene(quads: &[[Vec3; 3]], lamps: &[[Vec3; 3]], radiance: f32) -> Scene {
             radiance: Vec3::splat(radiance),
             two_sided: false,
         }],
+        area_light_names: vec!["lamp".into()],
         ..Scene::default()
     };
     let black = Material {
@@ -55,6 +56,7 @@ fn scene(quads: &[[Vec3; 3]], lamps: &[[Vec3; 3]], radiance: f32) -> Scene {
     }
     if lamps.is_empty() {
         scene.area_lights.clear();
+        scene.area_light_names.clear();
     }
     scene
 }

@@ -315,6 +315,7 @@ fn what_cannot_be_rendered_is_refused() {
         radiance: Vec3::ONE,
         two_sided: false,
     });
+    scene.area_light_names.push("lamp".into());
     scene.triangle_light[0] = 0;
     let tracer = Tracer::new(&scene).unwrap();
     let area = Lights {

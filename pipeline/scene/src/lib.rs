@@ -26,7 +26,9 @@ mod load;
 mod measure;
 mod obj;
 mod options;
+mod own_lights;
 mod pbrt;
+mod pfm;
 mod relight;
 mod sanitize;
 mod scene;
@@ -43,10 +45,10 @@ pub use error::SceneError;
 pub use load::load;
 pub use measure::Bounds;
 pub use options::{LightUnits, LoadOptions};
-pub use rrf_lights::{AreaLight, PointLight};
+pub use rrf_lights::{AreaLight, LightSource, OwnLight, PointLight};
 pub use rrf_materials::{INVALID, Material, MaterialKind, Texture};
 pub use scene::{Camera, Scene, Warning};
 pub use summary::{
-    AreaLightSummary, CameraSummary, MaterialSummary, ObjectSummary, PointLightSummary, Summary,
+    AreaLightSummary, CameraSummary, LightSummary, MaterialSummary, ObjectSummary, Summary,
     TextureSummary,
 };

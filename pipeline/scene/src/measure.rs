@@ -65,7 +65,7 @@ impl Scene {
     /// the same triangles is another scene, since ids are positions.
     pub fn hash(&self) -> [u8; 32] {
         let mut hash = Columns(blake3::Hasher::new());
-        hash.0.update(b"rrf-scene columns 1\0");
+        hash.0.update(b"rrf-scene columns 2\0");
         hash.floats("positions", self.positions.iter().flat_map(Vec3::to_array));
         hash.floats("normals", self.normals.iter().flat_map(Vec3::to_array));
         hash.floats("uvs", self.uvs.iter().flat_map(glam::Vec2::to_array));
@@ -81,13 +81,7 @@ impl Scene {
         for texture in &self.textures {
             hash.floats("texels", texture.texels.iter().flat_map(Vec3::to_array));
         }
-        let points = self.point_lights.iter();
-        hash.floats(
-            "point_lights",
-            points
-                .flat_map(|l| [l.position, l.intensity])
-                .flat_map(|v| v.to_array()),
-        );
+        hash.lights(self);
         let areas = self.area_lights.iter();
         hash.floats("area_lights", areas.flat_map(|l| l.radiance.to_array()));
         hash.ids(
@@ -137,6 +131,15 @@ impl Columns {
             }
         }
         self.0.update(&buffer).update(&count.to_le_bytes());
+    }
+
+    /// Every light's own numbers: as many columns as lights.
+    fn lights(&mut self, scene: &Scene) {
+        for light in &scene.lights {
+            let mut words = Vec::new();
+            light.source.words(&mut |word| words.push(word));
+            self.ids("light", words.into_iter());
+        }
     }
 
     /// The columns that every kind fills, then further parameters where a kind has them.

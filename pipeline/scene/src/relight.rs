@@ -1,11 +1,11 @@
 //! A scene whose own lights have been taken out, to be lit by others.
 
-use crate::{AreaLight, INVALID, Scene};
+use crate::{INVALID, Scene};
 use rrf_materials::Bsdf;
 
 impl Scene {
-    /// The scene without its own lights: point lights and emission go, and with them the
-    /// triangles that only emit. A surface that emits and reflects nothing *is* the lamp; one
+    /// The scene without its own lights: lights, sky and emission go, and with them the triangles
+    /// that only emit. A surface that emits and reflects nothing *is* the lamp; one
     /// that reflects stays, dark.
     pub fn unlit(&self) -> Scene {
         let lamp = |t: usize| self.is_lamp(t);
@@ -16,8 +16,9 @@ impl Scene {
             triangle_material: pick(&self.triangle_material),
             triangle_light: vec![INVALID; keep.len()],
             triangle_object: pick(&self.triangle_object),
-            point_lights: Vec::new(),
-            area_lights: Vec::<AreaLight>::new(),
+            lights: Vec::new(),
+            area_lights: Vec::new(),
+            area_light_names: Vec::new(),
             ..self.clone()
         }
     }

@@ -1,7 +1,7 @@
 //! The scene's columns.
 
 use glam::{Vec2, Vec3};
-use rrf_lights::{AreaLight, PointLight};
+use rrf_lights::{AreaLight, OwnLight};
 use rrf_materials::{Material, Texture};
 use std::path::PathBuf;
 
@@ -63,10 +63,13 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Textures.
     pub textures: Vec<Texture>,
-    /// The file's own point lights.
-    pub point_lights: Vec<PointLight>,
+    /// The file's own lights that are no surface, with names that none shares.
+    pub lights: Vec<OwnLight>,
     /// The file's own area lights.
     pub area_lights: Vec<AreaLight>,
+    /// Own light that each area light is part of: lamps of one material, or pieces of one shape,
+    /// share a name. As long as `area_lights`.
+    pub area_light_names: Vec<String>,
     /// Cameras, the first one the default.
     pub cameras: Vec<Camera>,
     /// Approximations and omissions.

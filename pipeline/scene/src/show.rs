@@ -1,7 +1,7 @@
 //! A scene's summary as text.
 
 use crate::summary::{
-    AreaLightSummary, CameraSummary, MaterialSummary, PointLightSummary, Summary, TextureSummary,
+    AreaLightSummary, CameraSummary, LightSummary, MaterialSummary, Summary, TextureSummary,
 };
 use std::fmt;
 
@@ -41,7 +41,7 @@ impl fmt::Display for Summary {
         writeln!(out, "  objects      {}", self.objects.len())?;
         self.list(out, "materials", &self.materials)?;
         self.list(out, "textures", &self.textures)?;
-        self.list(out, "point lights", &self.point_lights)?;
+        self.list(out, "lights", &self.lights)?;
         self.list(out, "area lights", &self.area_lights)?;
         self.list(out, "cameras", &self.cameras)?;
         writeln!(out, "  warnings     {}", self.warnings.len())?;
@@ -114,13 +114,15 @@ impl fmt::Display for TextureSummary {
     }
 }
 
-impl fmt::Display for PointLightSummary {
+impl fmt::Display for LightSummary {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             out,
-            "at {}  {} W/sr",
-            Triple(&self.position),
-            Triple(&self.intensity)
+            "{:<16} {:<12} {}, power {:.3} W",
+            self.name,
+            self.kind,
+            self.summary,
+            Triple(&self.power)
         )
     }
 }
@@ -134,7 +136,8 @@ impl fmt::Display for AreaLightSummary {
         };
         write!(
             out,
-            "{} W/(sr m^2), {sides}, {} triangles, area {:.4}, power {:.3} W",
+            "{:<16} {} W/(sr m^2), {sides}, {} triangles, area {:.4}, power {:.3} W",
+            self.name,
             Triple(&self.radiance),
             self.triangles,
             self.area,

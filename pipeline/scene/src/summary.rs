@@ -1,7 +1,7 @@
 //! Summary of a scene file, for people and for programs.
 
 use crate::measure::areas_by;
-use crate::{Bounds, INVALID, Material, Scene, Warning};
+use crate::{Bounds, INVALID, Material, OwnLight, Scene, Warning};
 use rrf_materials::Storage;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -27,8 +27,8 @@ pub struct Summary {
     pub textures: Vec<TextureSummary>,
     /// Objects by id.
     pub objects: Vec<ObjectSummary>,
-    /// The file's point lights.
-    pub point_lights: Vec<PointLightSummary>,
+    /// The file's own lights that are no surface.
+    pub lights: Vec<LightSummary>,
     /// The file's area lights.
     pub area_lights: Vec<AreaLightSummary>,
     /// Cameras, the first the default.
@@ -83,18 +83,25 @@ pub struct ObjectSummary {
     pub area: f64,
 }
 
-/// A point light.
+/// A light that is no surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PointLightSummary {
-    /// World position.
-    pub position: [f32; 3],
-    /// Radiant intensity [W/sr].
-    pub intensity: [f32; 3],
+pub struct LightSummary {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// Its kind's name.
+    pub kind: &'static str,
+    /// Its numbers with units.
+    pub summary: String,
+    /// Radiant power \[W\]; of a light from afar, all that it sends through the sphere around the
+    /// scene's bounds.
+    pub power: [f32; 3],
 }
 
 /// An area light.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AreaLightSummary {
+    /// Name of the own light that it is part of.
+    pub name: String,
     /// Radiance [W/(sr m^2)].
     pub radiance: [f32; 3],
     /// Emits from both sides.
@@ -160,14 +167,7 @@ impl Scene {
                     area,
                 })
                 .collect(),
-            point_lights: self
-                .point_lights
-                .iter()
-                .map(|light| PointLightSummary {
-                    position: light.position.to_array(),
-                    intensity: light.intensity.to_array(),
-                })
-                .collect(),
+            lights: self.light_summaries(),
             area_lights: self.area_light_summaries(),
             cameras: self.camera_summaries(),
             warnings: self.warnings.clone(),
@@ -180,21 +180,30 @@ impl Scene {
         materials.map(|(m, of)| material_summary(m, of)).collect()
     }
 
+    fn light_summaries(&self) -> Vec<LightSummary> {
+        let radius = self.bounds().map_or(0.0, |b| 0.5 * b.diagonal());
+        let summary = |light: &OwnLight| LightSummary {
+            name: light.name.clone(),
+            kind: light.source.kind(),
+            summary: light.source.summary(),
+            power: light.source.power(radius).to_array(),
+        };
+        self.lights.iter().map(summary).collect()
+    }
+
     fn area_light_summaries(&self) -> Vec<AreaLightSummary> {
         let areas = areas_by(self, &self.triangle_light, self.area_lights.len());
         self.area_lights
             .iter()
+            .zip(&self.area_light_names)
             .zip(areas)
-            .map(|(light, (triangles, area))| {
-                let sides = if light.two_sided { 2.0 } else { 1.0 };
-                let power = light.radiance.as_dvec3() * (std::f64::consts::PI * area * sides);
-                AreaLightSummary {
-                    radiance: light.radiance.to_array(),
-                    two_sided: light.two_sided,
-                    triangles,
-                    area,
-                    power: power.to_array(),
-                }
+            .map(|((light, name), (triangles, area))| AreaLightSummary {
+                name: name.clone(),
+                radiance: light.radiance.to_array(),
+                two_sided: light.two_sided,
+                triangles,
+                area,
+                power: light.power(area),
             })
             .collect()
     }

@@ -2,8 +2,8 @@
 
 use crate::validate::validate;
 use crate::{
-    AreaLight, Camera, INVALID, Material, MaterialKind, PointLight, Scene, SceneError, Texture,
-    Warning,
+    AreaLight, Camera, INVALID, LightSource, Material, MaterialKind, OwnLight, PointLight, Scene,
+    SceneError, Texture, Warning,
 };
 use glam::{Vec2, Vec3};
 use rrf_materials::{LAMBERT, PRINCIPLED};
@@ -26,14 +26,18 @@ fn square() -> Scene {
             height: 1,
             texels: vec![Vec3::ONE],
         }],
-        point_lights: vec![PointLight {
-            position: Vec3::Z,
-            intensity: Vec3::ONE,
+        lights: vec![OwnLight {
+            name: "bulb".into(),
+            source: LightSource::Point(PointLight {
+                position: Vec3::Z,
+                intensity: Vec3::ONE,
+            }),
         }],
         area_lights: vec![AreaLight {
             radiance: Vec3::new(1.0, 2.0, 3.0),
             two_sided: true,
         }],
+        area_light_names: vec!["panel".into()],
         cameras: vec![Camera {
             name: "eye".into(),
             eye: Vec3::Z,
@@ -53,6 +57,14 @@ fn material(name: &str, kind: &'static MaterialKind) -> Material {
         kind,
         base_texture: 0,
         ..Material::principled(name, Vec3::splat(0.5), 0.5, 0.0, 0.5)
+    }
+}
+
+/// The square's point light.
+fn bulb(scene: &mut Scene) -> &mut PointLight {
+    match &mut scene.lights[0].source {
+        LightSource::Point(point) => point,
+        other => panic!("{other:?}"),
     }
 }
 
@@ -119,13 +131,13 @@ fn unsound_scenes_are_refused_with_their_place() {
         (|s| s.positions[3].y = 1e30, "object \"square\"", "vertex 3"),
         (|s| s.uvs[0].x = f32::NAN, "object \"square\"", "vertex 0"),
         (
-            |s| s.point_lights[0].intensity.x = -1.0,
-            "point light 0",
-            "not negative",
+            |s| bulb(s).intensity.x = -1.0,
+            "light \"bulb\"",
+            "none negative",
         ),
         (
-            |s| s.point_lights[0].position.x = f32::NAN,
-            "point light 0",
+            |s| bulb(s).position.x = f32::NAN,
+            "light \"bulb\"",
             "finite",
         ),
         (
@@ -203,8 +215,9 @@ fn what_can_be_mended_is_mended_with_a_warning() {
     scene.materials[1].specular = 1.25;
     scene.materials[1].base_color.y = -0.5;
     scene.textures[0].texels[0].x = 1.5;
-    scene.point_lights.clear();
+    scene.lights.clear();
     scene.area_lights.clear();
+    scene.area_light_names.clear();
     scene.triangle_light.fill(INVALID);
     let scene = validate(scene).unwrap();
     assert_eq!(scene.triangles, square().triangles);
@@ -272,8 +285,8 @@ fn hash_sees_all_that_changes_the_light_and_nothing_else() {
                 texels: vec![Vec3::ONE],
             })
         },
-        |s| s.point_lights[0].position.x = 0.25,
-        |s| s.point_lights[0].intensity.x = 0.25,
+        |s| bulb(s).position.x = 0.25,
+        |s| bulb(s).intensity.x = 0.25,
         |s| s.area_lights[0].radiance.x = 0.25,
         |s| s.area_lights[0].two_sided = false,
         |s| s.cameras[0].eye.x = 0.25,
@@ -345,10 +358,9 @@ fn summary_for_programs() {
         ("/materials/1/roughness", serde_json::json!(0.5)),
         ("/materials/1/textures", serde_json::json!([0, null, null])),
         ("/objects/0/triangles", serde_json::json!(2)),
-        (
-            "/point_lights/0/position",
-            serde_json::json!([0.0, 0.0, 1.0]),
-        ),
+        ("/lights/0/name", serde_json::json!("bulb")),
+        ("/lights/0/kind", serde_json::json!("point")),
+        ("/area_lights/0/name", serde_json::json!("panel")),
         ("/area_lights/0/two_sided", serde_json::json!(true)),
         ("/area_lights/0/area", serde_json::json!(0.5)),
         ("/cameras/0/mirrored", serde_json::json!(false)),

@@ -1,11 +1,13 @@
 //! Pictures to linear texels.
 
 use crate::Texture;
+use crate::pfm::{is_pfm, read_pfm};
 use glam::{DVec3, Vec3};
 use image::{DynamicImage, ImageFormat, ImageReader};
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::io::Cursor;
+use std::path::Path;
 
 /// Most texels of all textures of a scene: 12 bytes each, 1.6 GB. Compressed pictures can
 /// claim far more than their own size, so the claim is checked before it is granted.
@@ -125,12 +127,23 @@ impl<K: Hash + Eq> TextureTable<K> {
     }
 }
 
+/// A picture file that no surface looks up, floats as they are and integers by the sRGB curve;
+/// the error is a message.
+pub(crate) fn linear_picture(path: &Path) -> Result<Texture, String> {
+    let bytes = crate::file::read(path).map_err(|error| error.to_string())?;
+    let format = ImageFormat::from_path(path).ok();
+    decode(&bytes, Encoding::Natural, format, MAX_TEXELS)
+}
+
 fn decode(
     bytes: &[u8],
     encoding: Encoding,
     format: Option<ImageFormat>,
     max_texels: u64,
 ) -> Result<Texture, String> {
+    if is_pfm(bytes) {
+        return read_pfm(bytes, max_texels);
+    }
     let open = || {
         let mut reader = ImageReader::new(Cursor::new(bytes));
         format.inspect(|&format| reader.set_format(format));
@@ -141,7 +154,9 @@ fn decode(
             .with_guessed_format()
             .map_err(|error| error.to_string())
     };
-    let unreadable = |error| format!("picture cannot be decoded: {error} (read here: PNG, JPEG)");
+    let unreadable = |error| {
+        format!("picture cannot be decoded: {error} (read here: PNG, JPEG, TGA, OpenEXR, HDR, PFM)")
+    };
     let (width, height) = open()?.into_dimensions().map_err(unreadable)?;
     let texels = u64::from(width) * u64::from(height);
     if texels > max_texels {

@@ -3,6 +3,7 @@
 use crate::sanitize::sanitize;
 use crate::{INVALID, Scene, SceneError};
 use glam::{Vec2, Vec3};
+use std::collections::HashSet;
 
 /// Checks a scene that a reader made and sanitizes it, with warnings.
 ///
@@ -24,7 +25,7 @@ pub(crate) fn validate(mut scene: Scene) -> Result<Scene, SceneError> {
             "it has no triangles (with an area); a bake needs surfaces",
         );
     }
-    if scene.point_lights.is_empty() && scene.area_lights.is_empty() {
+    if !scene.has_own_lights() {
         let message = "the scene has no lights of its own; a picture of it needs --light";
         scene.warn(message);
     }
@@ -72,6 +73,11 @@ fn check_columns(scene: &Scene) -> Result<(), SceneError> {
         ),
         ("triangle_light", scene.triangle_light.len(), triangles),
         ("triangle_object", scene.triangle_object.len(), triangles),
+        (
+            "area_light_names",
+            scene.area_light_names.len(),
+            scene.area_lights.len(),
+        ),
     ] {
         if length != wanted {
             return refuse(
@@ -155,14 +161,17 @@ fn check_vertices(scene: &Scene) -> Result<(), SceneError> {
 
 fn check_lights(scene: &Scene) -> Result<(), SceneError> {
     let good = |v: Vec3| v.is_finite() && v.min_element() >= 0.0;
-    for (i, light) in scene.point_lights.iter().enumerate() {
-        if !good(light.intensity) || !sound(light.position, Vec2::ZERO) {
-            let message = format!(
-                "{light:?}: a position and intensity that are finite and not negative are needed"
-            );
-            return refuse(scene, format!("point light {i}"), message);
+    for light in &scene.lights {
+        let place = || format!("light \"{}\"", light.name);
+        if let Err(error) = light.source.check() {
+            return refuse(scene, place(), error.to_string());
+        }
+        if let Some(position) = light.source.position().filter(|&p| !sound(p, Vec2::ZERO)) {
+            let message = format!("it stands at {position}, beyond 1e15");
+            return refuse(scene, place(), message);
         }
     }
+    check_names(scene)?;
     for (i, light) in scene.area_lights.iter().enumerate() {
         if !good(light.radiance) {
             let message = format!(
@@ -173,6 +182,19 @@ fn check_lights(scene: &Scene) -> Result<(), SceneError> {
         }
     }
     Ok(())
+}
+
+/// Names of lights that are no surface are their own; area lights may share theirs.
+fn check_names(scene: &Scene) -> Result<(), SceneError> {
+    let mut seen: HashSet<&String> = scene.area_light_names.iter().collect();
+    match scene.lights.iter().find(|light| !seen.insert(&light.name)) {
+        Some(light) => refuse(
+            scene,
+            format!("light \"{}\"", light.name),
+            "another light has this name",
+        ),
+        None => Ok(()),
+    }
 }
 
 fn check_cameras(scene: &Scene) -> Result<(), SceneError> {

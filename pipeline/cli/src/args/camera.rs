@@ -123,11 +123,11 @@ impl CameraArgs {
     /// The lights typed, or the scene's own.
     pub fn lights(&self, scene: &Scene) -> Result<Lights, BadInput> {
         let area = self.light.is_empty() || self.scene_lights;
-        if area && scene.point_lights.is_empty() && scene.area_lights.is_empty() {
+        if area && !scene.has_own_lights() {
             let told = "the scene has no light; give --light x,y,z[,r,g,b]";
             return Err(BadInput(told.into()));
         }
-        let own = scene.point_lights.iter().copied().filter(|_| area);
+        let own = scene.points().filter(|_| area);
         let typed = self.light.iter().map(|&[x, y, z, r, g, b]| PointLight {
             position: Vec3::new(x, y, z),
             intensity: Vec3::new(r, g, b),

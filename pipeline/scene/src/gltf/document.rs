@@ -10,7 +10,8 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// Extensions that are read here.
-pub(super) const EXTENSIONS: [&str; 6] = [
+pub(super) const EXTENSIONS: [&str; 7] = [
+    "EXT_lights_ies",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",

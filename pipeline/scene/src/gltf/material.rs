@@ -77,6 +77,11 @@ impl<'a> Materials<'a> {
         Ok(used)
     }
 
+    /// A material's name.
+    pub(super) fn name(&self, id: u32) -> &str {
+        self.materials.get(id as usize).map_or("", |m| &m.name)
+    }
+
     /// Moves everything into the scene.
     pub(super) fn finish(self, output: &mut Output) {
         if self.without > 0 {

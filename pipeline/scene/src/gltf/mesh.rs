@@ -41,7 +41,8 @@ pub(super) fn add(
         }
         let material = materials.of_primitive(primitive.material, warnings)?;
         let object = object_name(document, placed, mesh, p);
-        source.append(&material, object, output)?;
+        let light = area_light(&material, materials.name(material.id), output);
+        source.append(&material, light, object, output)?;
     }
     Ok(())
 }
@@ -68,6 +69,7 @@ impl Source<'_> {
     fn append(
         &self,
         material: &MaterialUse,
+        light: u32,
         object: String,
         output: &mut Output,
     ) -> Result<(), SceneError> {
@@ -78,7 +80,6 @@ impl Source<'_> {
         self.append_normals(&vertices, output)?;
         self.append_uvs(material, &vertices, output)?;
         let scene = &mut output.scene;
-        let light = area_light(material, scene);
         // Front faces are counter-clockwise, after a mirror clockwise (glTF 2.0, 3.7.2.1).
         let mirrors = self.placed.world.matrix3.determinant() < 0.0;
         for triangle in local {
@@ -142,7 +143,9 @@ impl Source<'_> {
         vertices: &[u32],
         output: &mut Output,
     ) -> Result<(), SceneError> {
-        let Output { scene, warnings } = output;
+        let Output {
+            scene, warnings, ..
+        } = output;
         let source = material.uv.unwrap_or(UvSource::PLAIN);
         let semantic = Semantic::TexCoords(source.set);
         let name = semantic.to_string();
@@ -197,15 +200,16 @@ fn used_vertices(corners: &[[u32; 3]]) -> (Vec<u32>, Vec<[u32; 3]>) {
 }
 
 /// A light for one primitive, or [`INVALID`].
-fn area_light(material: &MaterialUse, scene: &mut Scene) -> u32 {
+fn area_light(material: &MaterialUse, name: &str, output: &mut Output) -> u32 {
     if material.radiance == Vec3::ZERO {
         return INVALID;
     }
-    scene.area_lights.push(AreaLight {
+    let light = AreaLight {
         radiance: material.radiance,
         two_sided: material.double_sided,
-    });
-    scene.area_lights.len() as u32 - 1
+    };
+    let name = output.light_names.of_material(material.id, name);
+    output.scene.add_area_light(light, name)
 }
 
 /// Cofactor matrix times the determinant's sign.

@@ -3,8 +3,8 @@
 //! The `gltf` crate parses the JSON and checks its references. Its readers of binary data
 //! trust offsets and counts, so that part is done here, with every range checked first
 //! ([`accessor`]). Not read, with a warning: animation, skins, morph targets, vertex
-//! colours, alpha, occlusion, directional and spot lights, orthographic cameras, and
-//! extensions beyond [`document::EXTENSIONS`].
+//! colours, alpha, occlusion, orthographic cameras, and extensions
+//! beyond [`document::EXTENSIONS`].
 //!
 //! Source: Khronos, glTF 2.0 specification (ISO/IEC 12113:2022) and its KHR extensions.
 
@@ -12,6 +12,7 @@ mod accessor;
 mod buffers;
 mod camera;
 mod document;
+mod ies;
 mod light;
 mod material;
 mod mesh;
@@ -43,11 +44,14 @@ pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Scene, SceneErr
     for placed in nodes::flatten(&document, &mut output.warnings)? {
         mesh::add(&document, &placed, &mut materials, &mut output)?;
         light::add(&document, &placed, options, &mut output)?;
+        ies::add(&document, &placed, &mut output)?;
         camera::add(&document, &placed, &mut output)?;
     }
     light::note_mixed_units(&root, options, &mut output);
     materials.finish(&mut output);
-    let Output { scene, warnings } = output;
+    let Output {
+        scene, warnings, ..
+    } = output;
     Ok(Scene {
         source: path.to_path_buf(),
         warnings: warnings.finish(),

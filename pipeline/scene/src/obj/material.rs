@@ -111,6 +111,11 @@ impl Materials {
         used
     }
 
+    /// A material's name.
+    pub(super) fn name(&self, id: u32) -> &str {
+        self.materials.get(id as usize).map_or("", |m| &m.name)
+    }
+
     /// Moves everything into the scene.
     pub(super) fn finish(self, scene: &mut Scene, warnings: &mut Warnings) {
         if self.without > 0 {

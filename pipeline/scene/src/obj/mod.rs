@@ -11,6 +11,7 @@ mod material;
 mod mtl;
 mod parse;
 
+use crate::own_lights::LampNames;
 use crate::warn::Warnings;
 use crate::{AreaLight, INVALID, LoadOptions, Scene, SceneError};
 use glam::Vec3;
@@ -40,8 +41,16 @@ pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Scene, SceneErr
     let models = &obj.models;
     let same = |a: &Model, b: &Model| b.continues && materials.agree(a, b);
     let groups: Vec<&[Model]> = models.chunk_by(same).collect();
+    let mut names = LampNames::default();
     for models in groups {
-        append(&obj, models, &mut materials, &mut scene, &mut warnings);
+        append(
+            &obj,
+            models,
+            &mut materials,
+            &mut names,
+            &mut scene,
+            &mut warnings,
+        );
     }
     materials.finish(&mut scene, &mut warnings);
     scene.warnings = warnings.finish();
@@ -53,6 +62,7 @@ fn append(
     obj: &Obj,
     models: &[Model],
     materials: &mut Materials,
+    names: &mut LampNames,
     scene: &mut Scene,
     warnings: &mut Warnings,
 ) {
@@ -90,11 +100,12 @@ fn append(
     let light = if used.radiance == Vec3::ZERO {
         INVALID
     } else {
-        scene.area_lights.push(AreaLight {
+        let light = AreaLight {
             radiance: used.radiance,
             two_sided: false,
-        });
-        scene.area_lights.len() as u32 - 1
+        };
+        let name = names.of_material(used.id, materials.name(used.id));
+        scene.add_area_light(light, name)
     };
     let object = scene.objects.len() as u32;
     scene.triangle_material.resize(count, used.id);

@@ -9,6 +9,7 @@ use super::value::{Mapping, Value};
 use crate::texture::TextureTable;
 use crate::{Scene, SceneError};
 use glam::DMat4;
+use rrf_lights::LightNames;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -52,6 +53,11 @@ pub(super) struct Reader {
     /// Pictures by path and whether they are inverted.
     pub pictures: TextureTable<(PathBuf, bool)>,
     pub emissions: Vec<Emission>,
+    /// Number of lights that are named by it.
+    pub numbered_lights: u32,
+    pub light_names: LightNames,
+    /// A sky that the options give stands in for one whose picture is not there.
+    pub replaces_sky: bool,
     pub defaults: Vec<Defaults>,
     pub objects: HashMap<String, Vec<Mesh>>,
     pub recording: Option<Recording>,
@@ -90,6 +96,9 @@ impl Reader {
             spectrum_textures: HashMap::new(),
             pictures: TextureTable::new(),
             emissions: Vec::new(),
+            numbered_lights: 0,
+            light_names: LightNames::default(),
+            replaces_sky: false,
             defaults: Vec::new(),
             objects: HashMap::new(),
             recording: None,

@@ -99,6 +99,8 @@ pub(super) struct Emission {
     pub power: Option<f64>,
     /// The scene's area light, once a shape without `power` has needed it.
     pub light: Option<u32>,
+    /// Name of the own light, once a shape has needed it.
+    pub name: Option<String>,
 }
 
 /// The picture's size.

@@ -37,6 +37,25 @@ pub(super) fn normal_matrix(m: &DMat4) -> Option<DMat3> {
     (linear.determinant() != 0.0 && inverse.is_finite()).then(|| inverse.transpose())
 }
 
+/// The axes of a transform's linear part at unit length and right angles, made so one after
+/// another, and whether that took no more than one common scale from it (to a thousandth); `None`
+/// if singular.
+pub(super) fn orthogonal(m: &DMat4) -> Option<(DMat3, bool)> {
+    let linear = DMat3::from_mat4(*m);
+    let [a, b, c] = [linear.x_axis, linear.y_axis, linear.z_axis];
+    let x = a.try_normalize()?;
+    let y = (b - x * x.dot(b)).try_normalize()?;
+    let z = x.cross(y) * linear.determinant().signum();
+    let scale = a.length();
+    let rest = DMat3::from_cols(a - x * scale, b - y * scale, c - z * scale);
+    let most = rest
+        .to_cols_array()
+        .into_iter()
+        .fold(0.0, |most: f64, v| most.max(v.abs()));
+    let sound = linear.determinant() != 0.0 && z.is_finite();
+    sound.then_some((DMat3::from_cols(x, y, z), most <= 1e-3 * scale))
+}
+
 /// Whether the last row is 0 0 0 1 (up to scale), so that no perspective is in it.
 pub(super) fn is_affine(m: &DMat4) -> bool {
     let row = m.row(3);

@@ -4,7 +4,7 @@ use crate::glb::{Glb, png};
 use crate::support::{notes, some_triangle, warns};
 use glam::{Vec2, Vec3};
 use rrf_materials::PRINCIPLED;
-use rrf_scene::{INVALID, LightUnits, LoadOptions, Scene, load};
+use rrf_scene::{INVALID, LightSource, LightUnits, LoadOptions, Scene, load};
 use serde_json::{Value, json};
 
 /// Upper left red, upper right green, lower left blue, lower right grey.
@@ -289,6 +289,29 @@ fn emission_becomes_area_lights() {
     assert!(scene.textures.is_empty());
 }
 
+/// A lamp is called by its material, a light by its node; names are unique, `sun` is reserved.
+#[test]
+fn names_of_lights() {
+    let mut glb = Glb::new();
+    let lamp = json!({ "name": "sun", "emissiveFactor": [1, 1, 1] });
+    let [first, second] = [lamp.clone(), lamp].map(|lamp| glb.push("materials", lamp));
+    for material in [first, second, first] {
+        square(&mut glb, Some(material));
+    }
+    light(
+        &mut glb,
+        json!({ "type": "point" }),
+        json!({ "name": "bulb" }),
+    );
+    light(&mut glb, json!({ "type": "point" }), json!({}));
+    let scene = glb.load().unwrap();
+    assert_eq!(scene.area_light_names, ["sun.own", "sun.own.2", "sun.own"]);
+    assert_eq!(
+        scene.own_light_names(),
+        ["bulb", "light 1", "sun.own", "sun.own.2"]
+    );
+}
+
 fn light(glb: &mut Glb, light: Value, node: Value) {
     let lights = &mut glb.json["extensions"]["KHR_lights_punctual"]["lights"];
     if lights.is_null() {
@@ -303,7 +326,7 @@ fn light(glb: &mut Glb, light: Value, node: Value) {
 }
 
 #[test]
-fn point_lights_are_read_others_are_left_out() {
+fn punctual_lights_follow_their_nodes() {
     let mut glb = Glb::new();
     some_triangle(&mut glb);
     light(
@@ -316,20 +339,49 @@ fn point_lights_are_read_others_are_left_out() {
         json!({ "type": "point", "range": 3, "intensity": 2, "color": [1, 0, 0.5] }),
         json!({}),
     );
-    light(&mut glb, json!({ "type": "directional" }), json!({}));
+    // Half a turn about x: -z becomes +z.
+    let turned = json!({ "rotation": [1, 0, 0, 0], "translation": [1, 2, 3], "scale": [2, 2, 2] });
+    light(
+        &mut glb,
+        json!({ "type": "directional", "intensity": 3 }),
+        turned.clone(),
+    );
+    let cones = json!({ "innerConeAngle": 0.25, "outerConeAngle": 0.5 });
+    light(&mut glb, json!({ "type": "spot", "spot": cones }), turned);
     light(&mut glb, json!({ "type": "spot", "spot": {} }), json!({}));
     let options = LoadOptions {
         light_units: LightUnits::Compat,
         ..LoadOptions::default()
     };
     let scene = glb.load_with(&options).unwrap();
-    assert_eq!(scene.point_lights.len(), 2);
-    assert_eq!(scene.point_lights[0].position, Vec3::new(1.0, 2.0, 3.0));
-    assert_eq!(scene.point_lights[0].intensity, Vec3::ONE);
-    assert_eq!(scene.point_lights[1].intensity, Vec3::new(2.0, 0.0, 1.0));
-    for part in ["range", "directional light left out", "spot light left out"] {
-        assert!(warns(&scene, part), "{part}");
-    }
+    assert_eq!(scene.lights.len(), 5);
+    assert_eq!(
+        scene.points().next().unwrap().position,
+        Vec3::new(1.0, 2.0, 3.0)
+    );
+    assert_eq!(scene.points().next().unwrap().intensity, Vec3::ONE);
+    assert_eq!(
+        scene.points().nth(1).unwrap().intensity,
+        Vec3::new(2.0, 0.0, 1.0)
+    );
+    assert!(warns(&scene, "range"));
+    let LightSource::Distant(sun) = &scene.lights[2].source else {
+        panic!("{:?}", scene.lights[2]);
+    };
+    assert_eq!(
+        (sun.toward, sun.irradiance, sun.diameter),
+        (Vec3::NEG_Z, Vec3::splat(3.0), 0.0)
+    );
+    let LightSource::Spot(spot) = &scene.lights[3].source else {
+        panic!("{:?}", scene.lights[3]);
+    };
+    assert_eq!((spot.axis, spot.intensity), (Vec3::Z, Vec3::ONE));
+    assert_eq!(spot.position, Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!((spot.inner, spot.outer), (0.25, 0.5));
+    let LightSource::Spot(spot) = &scene.lights[4].source else {
+        panic!("{:?}", scene.lights[4]);
+    };
+    assert_eq!((spot.inner, spot.outer), (0.0, std::f32::consts::FRAC_PI_4));
 }
 
 #[test]

@@ -19,7 +19,7 @@ fn glossy_cornell_box_has_its_materials() {
     let scene = load(&path, &LoadOptions::default()).unwrap();
     assert_eq!(scene.triangles.len(), 34);
     assert!(notes(&scene).is_empty(), "{:?}", scene.warnings);
-    assert!(scene.point_lights.is_empty() && scene.area_lights.is_empty());
+    assert!(scene.lights.is_empty() && scene.area_lights.is_empty());
     assert!(scene.triangle_light.iter().all(|&light| light == INVALID));
     let grey = Vec3::new(0.725, 0.71, 0.68);
     for (name, colour, roughness, metallic) in [
@@ -148,15 +148,18 @@ fn a_blender_light_is_the_same_in_all_modes_of_the_exporter() {
         ("blend_RAW.glb", LightUnits::Raw),
     ] {
         let scene = read(name, units);
-        assert_eq!(scene.point_lights.len(), 1);
-        let light = scene.point_lights[0];
+        assert_eq!(scene.lights.len(), 1);
+        let light = scene.points().next().unwrap();
         assert_eq!(light.position, Vec3::new(0.0, 2.0, 0.0));
         // Two roundings to f32 in the file, one here.
         let error = (light.intensity / want - 1.0).abs().max_element();
         assert!(error <= 3.0 * f32::EPSILON, "{name}: {}", light.intensity);
     }
     // The wrong mode is off by its factor: nothing is guessed.
-    let wrong = read("blend_RAW.glb", LightUnits::Spec).point_lights[0];
+    let wrong = read("blend_RAW.glb", LightUnits::Spec)
+        .points()
+        .next()
+        .unwrap();
     assert!((wrong.intensity.x - 100.0 / 683.0).abs() < 1e-6);
 }
 

@@ -152,6 +152,7 @@ fn emission_becomes_an_area_light() {
     assert_eq!(scene.triangle_light, [0]);
     assert_eq!(scene.area_lights[0].radiance, Vec3::new(17.0, 12.0, 4.0));
     assert!(!scene.area_lights[0].two_sided);
+    assert_eq!(scene.own_light_names(), ["a"]);
     let scene = read_with(TRIANGLE, "newmtl a\nKd 0\nKe 2 2 2\nmap_Ke p.png\n");
     // Half of the picture is red, half is blue.
     assert_eq!(scene.area_lights[0].radiance, Vec3::new(1.0, 0.0, 1.0));

@@ -28,7 +28,9 @@ impl Builder {
             radiance,
             two_sided,
         });
-        self.scene.area_lights.len() as u32 - 1
+        let id = self.scene.area_lights.len() as u32 - 1;
+        self.scene.area_light_names.push(format!("lamp{id}"));
+        id
     }
 
     /// One object of triangles with geometric normals.

@@ -261,7 +261,7 @@ const WORLD_FAULTS: [(&str, u32, &str); 44] = [
     (
         "LightSource \"point\" \"float power\" 1e300",
         1,
-        "overflows",
+        "three finite numbers",
     ),
     ("AreaLightSource \"neon\"", 17, "unknown area light"),
     (

@@ -7,7 +7,7 @@ use std::fs;
 use tempfile::TempDir;
 
 /// Reads `scene.pbrt` beside other files.
-fn read(scene: &str, others: &[(&str, &[u8])]) -> (Result<Scene, SceneError>, TempDir) {
+pub(super) fn read(scene: &str, others: &[(&str, &[u8])]) -> (Result<Scene, SceneError>, TempDir) {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in others {
         let path = folder.path().join(name);
@@ -19,7 +19,7 @@ fn read(scene: &str, others: &[(&str, &[u8])]) -> (Result<Scene, SceneError>, Te
     (load(&path, &LoadOptions::default()), folder)
 }
 
-fn error(scene: &str, others: &[(&str, &[u8])]) -> String {
+pub(super) fn error(scene: &str, others: &[(&str, &[u8])]) -> String {
     read(scene, others).0.unwrap_err().to_string()
 }
 

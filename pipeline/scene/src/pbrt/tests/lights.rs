@@ -17,16 +17,19 @@ fn point_v4(light: &str) -> Scene {
 #[test]
 fn point_lights() {
     let scene = point_v4("\"rgb I\" [1 2 3] \"float scale\" 10 \"point3 from\" [0 1 0]");
-    assert_eq!(scene.point_lights[0].intensity, Vec3::new(10.0, 20.0, 30.0));
-    assert_eq!(scene.point_lights[0].position, Vec3::Y);
+    assert_eq!(
+        scene.points().next().unwrap().intensity,
+        Vec3::new(10.0, 20.0, 30.0)
+    );
+    assert_eq!(scene.points().next().unwrap().position, Vec3::Y);
     // 4 pi W over the sphere are 1 W/sr.
     let scene = point_v4(&format!("\"float power\" {}", 4.0 * PI));
-    assert!((scene.point_lights[0].intensity - Vec3::ONE).length() < 1e-6);
+    assert!((scene.points().next().unwrap().intensity - Vec3::ONE).length() < 1e-6);
     let scene = world_v4(&format!(
         "Translate 1 2 3 Scale 2 2 2 LightSource \"point\" \"point from\" [1 0 0] {TRIANGLE}"
     ));
     assert_eq!(
-        scene.unwrap().point_lights[0].position,
+        scene.unwrap().points().next().unwrap().position,
         Vec3::new(3.0, 2.0, 3.0)
     );
     // Version 3: `scale` may be a colour.
@@ -34,7 +37,7 @@ fn point_lights() {
         "LightSource \"point\" \"color I\" [1 2 3] \"rgb scale\" [3 2 1] {TRIANGLE}"
     ));
     assert_eq!(
-        scene.unwrap().point_lights[0].intensity,
+        scene.unwrap().points().next().unwrap().intensity,
         Vec3::new(3.0, 4.0, 3.0)
     );
 }
@@ -43,16 +46,30 @@ fn point_lights() {
 #[test]
 fn spectra_by_version() {
     let pairs = "\"spectrum I\" [300 5 900 5]";
-    let v4 = point_v4(&format!("{pairs} \"float scale\" 7")).point_lights[0].intensity;
+    let v4 = point_v4(&format!("{pairs} \"float scale\" 7"))
+        .points()
+        .next()
+        .unwrap()
+        .intensity;
     assert!((luminance(v4) - 7.0).abs() < 1e-4, "{v4}");
     let v3 = world_v3(&format!("LightSource \"point\" {pairs} {TRIANGLE}"))
         .unwrap()
-        .point_lights[0]
+        .points()
+        .next()
+        .unwrap()
         .intensity;
     assert!((luminance(v3) - 5.0).abs() < 1e-4, "{v3}");
-    let black_body = point_v4("\"blackbody I\" 3000").point_lights[0].intensity;
+    let black_body = point_v4("\"blackbody I\" 3000")
+        .points()
+        .next()
+        .unwrap()
+        .intensity;
     assert!((luminance(black_body) - 1.0).abs() < 1e-5 && black_body.x > black_body.z);
-    let white = point_v4("\"spectrum I\" \"stdillum-D65\"").point_lights[0].intensity;
+    let white = point_v4("\"spectrum I\" \"stdillum-D65\"")
+        .points()
+        .next()
+        .unwrap()
+        .intensity;
     assert_eq!(white, Vec3::ONE);
     // 1000 K lies outside sRGB.
     assert!(warnings(&point_v4("\"blackbody I\" 1000")).contains("outside sRGB"));
@@ -63,7 +80,7 @@ fn spectra_by_version() {
 #[test]
 fn blackbody_of_version_3() {
     let world = format!("LightSource \"point\" \"blackbody I\" [5200 3] {TRIANGLE}");
-    let y = luminance(world_v3(&world).unwrap().point_lights[0].intensity);
+    let y = luminance(world_v3(&world).unwrap().points().next().unwrap().intensity);
     assert!((y / 3.0 - 1.0).abs() < 0.03, "{y}");
 }
 
@@ -78,6 +95,20 @@ fn area_lights_are_shared_and_end_with_their_block() {
     assert_eq!(scene.area_lights[0].radiance, Vec3::new(2.0, 4.0, 6.0));
     assert!(scene.area_lights[0].two_sided);
     assert_eq!(scene.triangle_light, [0, 0, crate::INVALID]);
+}
+
+/// Lights are counted in file order, all shapes under one emission as one light.
+#[test]
+fn names_of_lights() {
+    let scene = world_v4(&format!(
+        "AttributeBegin AreaLightSource \"diffuse\" {TRIANGLE} {TRIANGLE} AttributeEnd \
+         LightSource \"point\" \
+         AttributeBegin AreaLightSource \"diffuse\" \"float power\" 3 {TRIANGLE} {TRIANGLE} AttributeEnd"
+    ))
+    .unwrap();
+    assert_eq!(scene.area_light_names, ["light0", "light2", "light2"]);
+    assert_eq!(scene.own_light_names(), ["light1", "light0", "light2"]);
+    assert!(scene.has_own_lights() && !scene.unlit().has_own_lights());
 }
 
 /// pbrt-v4 gives each of its shapes the power: each triangle, but a quadric as a whole.
@@ -108,20 +139,16 @@ fn power_of_area_lights() {
 
 #[test]
 fn lights_that_are_left_out() {
-    for light in ["infinite", "distant", "spot", "goniometric", "projection"] {
-        let scene = world_v4(&format!(
-            "LightSource \"{light}\" \"rgb L\" [1 1 1]\n{TRIANGLE}"
-        ))
-        .unwrap();
-        assert!(scene.point_lights.is_empty());
-        let text = warnings(&scene);
-        assert!(
-            text.contains(&format!(
-                "scene.pbrt:3:13: LightSource \"{light}\" is left out"
-            )),
-            "{text}"
-        );
-    }
+    let scene = world_v4(&format!(
+        "LightSource \"projection\" \"float fov\" 30\n{TRIANGLE}"
+    ))
+    .unwrap();
+    assert!(scene.lights.is_empty());
+    let text = warnings(&scene);
+    assert!(
+        text.contains("scene.pbrt:3:13: LightSource \"projection\" is left out"),
+        "{text}"
+    );
     let scene = world_v4(&format!(
         "ObjectBegin \"o\" AreaLightSource \"diffuse\" {TRIANGLE} ObjectEnd ObjectInstance \"o\""
     ))

@@ -8,6 +8,7 @@ mod materials;
 mod orientation;
 mod robust;
 mod shapes;
+mod skies;
 
 use super::reader::Reader;
 use crate::validate::validate;

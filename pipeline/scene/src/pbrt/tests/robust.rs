@@ -44,7 +44,7 @@ LightSource "point" "rgb I" [ 1 1 1 ] "point3 from" [ 0 2 0 ]
 #[test]
 fn the_large_sample_is_read() {
     let scene = read_bytes(MANY.as_bytes()).unwrap();
-    assert_eq!((scene.area_lights.len(), scene.point_lights.len()), (1, 1));
+    assert_eq!((scene.area_lights.len(), scene.lights.len()), (1, 1));
     assert_eq!(scene.cameras[0].width, 400);
     assert_eq!(scene.cameras[0].right, glam::Vec3::X);
 }
