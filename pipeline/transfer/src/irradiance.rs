@@ -4,7 +4,7 @@
 //! over them. The points never change, so that a light which moves a little changes the
 //! irradiance a little, and what stands still stays the same to the bit.
 
-use crate::lights::{DirectLight, IncidentLight, Receiver};
+use crate::lights::{DirectLight, IncidentLight, Receiver, ReceiverId};
 use crate::patches::Patches;
 use crate::tracing::{Rays, Stream, Table, Tracer};
 use glam::Vec3;
@@ -91,11 +91,16 @@ impl<'a> Receivers<'a> {
     /// What reaches the points of a few sides: columns and irradiances.
     fn batch(&self, sides: &[Side], light: &dyn DirectLight) -> Vec<(u32, Vec3)> {
         let (mut rays, mut arriving) = (Rays::default(), Vec::new());
+        // rays beyond mirrors, and which arrivals they belong to
+        let (mut beyond, mut of_arrival) = (Rays::default(), Vec::new());
         let share = 1.0 / self.count.max(1) as f32;
         for side in sides {
             for (k, (point, &triangle)) in side.points.iter().zip(&side.triangles).enumerate() {
-                let sample = u64::from(side.patch) * u64::from(self.count) + k as u64;
-                light.arrivals(point, sample, &mut |arrival: IncidentLight| {
+                let id = ReceiverId {
+                    owner: u64::from(side.patch) * 2 + u64::from(side.back),
+                    point: k as u32,
+                };
+                light.arrivals(point, id, &mut |arrival: IncidentLight| {
                     let l = arrival.direction;
                     let cosine = point.shading.dot(l);
                     if cosine <= 0.0 || point.geometric.dot(l) <= 0.0 {
@@ -104,12 +109,20 @@ impl<'a> Receivers<'a> {
                     let origin = self.tracer.lift(triangle, point.position, l);
                     let column = self.patches.column(side.patch, side.back, point.shading, l);
                     rays.push(origin, l, arrival.distance);
+                    if let Some(leg) = arrival.beyond {
+                        beyond.push(leg.origin, leg.direction, leg.distance);
+                        of_arrival.push(arriving.len());
+                    }
                     arriving.push((column, arrival.normal_irradiance * (cosine * share)));
                 });
             }
         }
-        let mut blocked = Vec::new();
+        let (mut blocked, mut blocked_beyond) = (Vec::new(), Vec::new());
         self.tracer.occluded(&rays, &mut blocked);
+        self.tracer.occluded(&beyond, &mut blocked_beyond);
+        for (&arrival, beyond) in of_arrival.iter().zip(blocked_beyond) {
+            blocked[arrival] |= beyond;
+        }
         let free = arriving
             .into_iter()
             .zip(blocked)

@@ -23,6 +23,7 @@ mod irradiance;
 mod lights;
 mod patches;
 mod rows;
+mod sources;
 mod tracing;
 mod walk;
 
@@ -30,6 +31,9 @@ pub use basis::{Basis, CellBasis, Ensemble, RelativeWeights, radiances};
 pub use entry::Entry;
 pub use error::TransferError;
 pub use irradiance::Receivers;
-pub use lights::{DirectLight, DistantSource, IncidentLight, PointSource, Receiver};
+pub use lights::{
+    DirectLight, DistantSource, IncidentLight, Leg, PointSource, Receiver, ReceiverId,
+};
 pub use patches::{PatchConfig, PatchPoint, Patches, SizeField};
 pub use rows::{RowConfig, RowPoint, TransferRows, trace_rows};
+pub use sources::{ConditionPlan, FlatMirrors, Lamp, LightConditions, Mirrored, SourceLight};

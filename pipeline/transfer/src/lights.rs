@@ -13,6 +13,16 @@ pub struct Receiver {
     pub shading: Vec3,
 }
 
+/// The name of a receiver: the random numbers of a light depend on it and on nothing that changes
+/// from frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReceiverId {
+    /// Patch or row that the point belongs to.
+    pub owner: u64,
+    /// Which of the owner's points it is: their samples are stratified together.
+    pub point: u32,
+}
+
 /// Light that arrives at a point from one direction if nothing lies in its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IncidentLight {
@@ -22,14 +32,39 @@ pub struct IncidentLight {
     pub distance: f32,
     /// Irradiance on a plane that faces it, a channel [W/m^2].
     pub normal_irradiance: Vec3,
+    /// The way beyond a mirror, where it comes from one.
+    pub beyond: Option<Leg>,
+}
+
+/// A straight piece of light's way that must be free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// Where it begins, just off a surface.
+    pub origin: Vec3,
+    /// Unit direction toward the light.
+    pub direction: Vec3,
+    /// Its length, metres; infinite for the sun and the sky.
+    pub distance: f32,
+}
+
+impl IncidentLight {
+    /// Light that no mirror bends.
+    pub fn straight(direction: Vec3, distance: f32, normal_irradiance: Vec3) -> IncidentLight {
+        IncidentLight {
+            direction,
+            distance,
+            normal_irradiance,
+            beyond: None,
+        }
+    }
 }
 
 /// Lights of any kind, as what they send straight to a point.
 pub trait DirectLight: Sync {
     /// The light that arrives at a point, nothing in its way, handed to `arrive` one direction at
-    /// a time. `sample` names the point: a light that has to choose directions or places chooses
-    /// by it, never by anything that changes from frame to frame.
-    fn arrivals(&self, at: &Receiver, sample: u64, arrive: &mut dyn FnMut(IncidentLight));
+    /// a time. `id` names the point: a light that has to choose directions or places chooses
+    /// by it, so that a light which moves a little changes a little.
+    fn arrivals(&self, at: &Receiver, id: ReceiverId, arrive: &mut dyn FnMut(IncidentLight));
 }
 
 /// An isotropic point light.
@@ -42,15 +77,16 @@ pub struct PointSource {
 }
 
 impl DirectLight for PointSource {
-    fn arrivals(&self, at: &Receiver, _: u64, arrive: &mut dyn FnMut(IncidentLight)) {
+    fn arrivals(&self, at: &Receiver, _: ReceiverId, arrive: &mut dyn FnMut(IncidentLight)) {
         let to = self.position - at.position;
         let distance = to.length();
         if distance > 0.0 {
-            arrive(IncidentLight {
-                direction: to / distance,
+            let normal_irradiance = self.intensity / (distance * distance);
+            arrive(IncidentLight::straight(
+                to / distance,
                 distance,
-                normal_irradiance: self.intensity / (distance * distance),
-            });
+                normal_irradiance,
+            ));
         }
     }
 }
@@ -65,20 +101,30 @@ pub struct DistantSource {
 }
 
 impl DirectLight for DistantSource {
-    fn arrivals(&self, _: &Receiver, _: u64, arrive: &mut dyn FnMut(IncidentLight)) {
-        arrive(IncidentLight {
-            direction: self.toward,
-            distance: f32::INFINITY,
-            normal_irradiance: self.irradiance,
-        });
+    fn arrivals(&self, _: &Receiver, _: ReceiverId, arrive: &mut dyn FnMut(IncidentLight)) {
+        arrive(IncidentLight::straight(
+            self.toward,
+            f32::INFINITY,
+            self.irradiance,
+        ));
     }
 }
 
-impl<F> DirectLight for F
-where
-    F: Fn(&Receiver, u64, &mut dyn FnMut(IncidentLight)) + Sync,
-{
-    fn arrivals(&self, at: &Receiver, sample: u64, arrive: &mut dyn FnMut(IncidentLight)) {
-        self(at, sample, arrive);
+/// Several lights at once.
+impl<L: DirectLight> DirectLight for Vec<L> {
+    fn arrivals(&self, at: &Receiver, id: ReceiverId, arrive: &mut dyn FnMut(IncidentLight)) {
+        self.iter().for_each(|light| light.arrivals(at, id, arrive));
+    }
+}
+
+impl<L: DirectLight + ?Sized> DirectLight for &L {
+    fn arrivals(&self, at: &Receiver, id: ReceiverId, arrive: &mut dyn FnMut(IncidentLight)) {
+        (**self).arrivals(at, id, arrive);
+    }
+}
+
+impl<L: DirectLight + ?Sized> DirectLight for Box<L> {
+    fn arrivals(&self, at: &Receiver, id: ReceiverId, arrive: &mut dyn FnMut(IncidentLight)) {
+        (**self).arrivals(at, id, arrive);
     }
 }

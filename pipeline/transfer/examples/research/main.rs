@@ -11,7 +11,6 @@
 mod cell;
 mod clock;
 mod local;
-mod mirror;
 mod net;
 mod raw;
 mod regress;

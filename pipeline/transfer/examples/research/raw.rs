@@ -1,13 +1,13 @@
 //! TransferRows at the points that are judged: what patches and paths cost.
 
 use crate::clock::cpu;
-use crate::mirror::Mirrored;
+use crate::setup::one_watt;
 use crate::truth::Truth;
 use glam::Vec3;
 use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
-use rrf_transfer::{PatchConfig, Patches, Receivers, RowConfig, trace_rows};
+use rrf_transfer::{FlatMirrors, PatchConfig, Patches, Receivers, RowConfig, trace_rows};
 
 /// One line for each number of patches and paths.
 pub fn run(scene: &Scene, tracer: &Tracer, truth: &Truth, settings: &[(usize, u32, u32, u32)]) {
@@ -30,17 +30,21 @@ pub fn run(scene: &Scene, tracer: &Tracer, truth: &Truth, settings: &[(usize, u3
         let traced = cpu();
         let used = rows.used();
         let receivers = Receivers::new(tracer, &patches, samples, Some(&used), stream.part(1));
+        let mirrors = FlatMirrors::new(tracer);
         let placed = cpu();
         let irradiances: Vec<Vec<Vec3>> = (truth.lights.iter())
-            .map(|&l| receivers.irradiance(&Mirrored::new(tracer, l)))
+            .map(|&l| receivers.irradiance(&mirrors.of(one_watt(l))))
             .collect();
         let lit = cpu();
         let lights = truth.lights.len();
+        let own: Vec<Vec<Vec3>> = (truth.lights.iter())
+            .map(|&l| mirrors.at_rows(&one_watt(l), &truth.points, 0))
+            .collect();
         let mut halves = [Vec::new(), Vec::new()];
         for (row, at) in truth.points.iter().enumerate() {
             let colour = tracer.material_at(&at.point).base_color;
             for (l, irradiance) in irradiances.iter().enumerate() {
-                let own = Mirrored::new(tracer, truth.lights[l]).at_row(at);
+                let own = own[l][row];
                 for (h, half) in halves.iter_mut().enumerate() {
                     half.push(rows.apply(row, h, irradiance).coloured(colour) + own);
                 }

@@ -3,9 +3,8 @@
 use crate::cell::Cell;
 use crate::clock::cpu;
 use crate::local::{self, Local};
-use crate::mirror::Mirrored;
 use crate::net::Net;
-use crate::setup::Places;
+use crate::setup::{Places, one_watt};
 use crate::table::{Row, Table};
 use crate::tree::Tree;
 use crate::truth::Truth;
@@ -16,8 +15,8 @@ use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    Basis, Ensemble, Entry, PatchConfig, Patches, Receivers, RowConfig, RowPoint, TransferRows,
-    trace_rows,
+    Basis, Ensemble, Entry, FlatMirrors, PatchConfig, Patches, Receivers, RowConfig, RowPoint,
+    TransferRows, trace_rows,
 };
 
 /// What to try.
@@ -92,7 +91,8 @@ impl<'a> Bench<'a> {
             Some(&rows.used()),
             stream.part(1),
         );
-        let shine = |&l: &Vec3| receivers.irradiance(&Mirrored::new(tracer, l));
+        let mirrors = FlatMirrors::new(tracer);
+        let shine = |&l: &Vec3| receivers.irradiance(&mirrors.of(one_watt(l)));
         let trained: Vec<_> = places.lights(plan.ensemble, 77).iter().map(shine).collect();
         let ensemble = Ensemble::new(&trained);
         let spent = cpu() - start;
@@ -115,12 +115,10 @@ impl<'a> Bench<'a> {
                 .collect(),
         };
         weigh(&mut table, &rows, &ensemble);
-        let own = (truth.points.iter()).flat_map(|p| {
-            truth
-                .lights
-                .iter()
-                .map(move |&l| Mirrored::new(tracer, l).at_row(p))
-        });
+        let by_light: Vec<Vec<Vec3>> = (truth.lights.iter())
+            .map(|&l| mirrors.at_rows(&one_watt(l), &truth.points, 0))
+            .collect();
+        let own = (0..truth.points.len()).flat_map(|p| by_light.iter().map(move |of| of[p]));
         Bench {
             plan,
             truth,

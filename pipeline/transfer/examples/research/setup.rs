@@ -4,7 +4,7 @@ use glam::Vec3;
 use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, LoadOptions, Scene, load};
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
-use rrf_transfer::RowPoint;
+use rrf_transfer::{PointSource, RowPoint};
 
 /// What is measured on.
 pub struct Setup {
@@ -163,6 +163,14 @@ impl<'a> Places<'a> {
         let mut blocked = Vec::new();
         self.tracer.occluded(&rays, &mut blocked);
         blocked.contains(&false)
+    }
+}
+
+/// A point light of 1 W/sr a channel.
+pub fn one_watt(position: Vec3) -> PointSource {
+    PointSource {
+        position,
+        intensity: Vec3::ONE,
     }
 }
 

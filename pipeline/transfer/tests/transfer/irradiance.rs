@@ -5,7 +5,8 @@ use glam::Vec3;
 use rrf_sampling::{Stage, Stream};
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    DistantSource, IncidentLight, PatchConfig, Patches, PointSource, Receiver, Receivers,
+    DirectLight, DistantSource, IncidentLight, PatchConfig, Patches, PointSource, Receiver,
+    ReceiverId, Receivers,
 };
 
 const EVEN: fn(Vec3) -> f32 = |_| 1.0;
@@ -81,7 +82,21 @@ fn shadows_and_cosines() {
     assert_eq!(at(Vec3::new(-0.5, 0.0, -0.98), Vec3::Y), 0.0);
 }
 
-/// Lights far away, and lights given by a closure; only the columns in use are asked for.
+/// A kind of light that the crate does not know.
+struct Own;
+
+impl DirectLight for Own {
+    fn arrivals(&self, _: &Receiver, _: ReceiverId, arrive: &mut dyn FnMut(IncidentLight)) {
+        let normal_irradiance = Vec3::splat(3.0);
+        arrive(IncidentLight::straight(
+            Vec3::Z,
+            f32::INFINITY,
+            normal_irradiance,
+        ));
+    }
+}
+
+/// Lights far away, and lights of other kinds; only the columns in use are asked for.
 #[test]
 fn other_lights_and_columns_in_use() {
     let scene = cornell();
@@ -100,14 +115,7 @@ fn other_lights_and_columns_in_use() {
     let back = place.normal.z < 0.0;
     let column = patches.first_column(patches.patch(&place).unwrap(), back) as usize;
     assert!((lit[column] - Vec3::splat(3.0)).abs().max_element() < 1e-4);
-    let closure = move |_: &Receiver, _: u64, arrive: &mut dyn FnMut(IncidentLight)| {
-        arrive(IncidentLight {
-            direction: Vec3::Z,
-            distance: f32::INFINITY,
-            normal_irradiance: Vec3::splat(3.0),
-        });
-    };
-    assert_eq!(all.irradiance(&closure), lit);
+    assert_eq!(all.irradiance(&Own), lit);
     let used: Vec<bool> = (0..patches.columns()).map(|c| c == column).collect();
     let few = Receivers::new(&tracer, &patches, 4, Some(&used), stream);
     assert_eq!(few.sides(), 1);

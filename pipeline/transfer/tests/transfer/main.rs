@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod basis;
+mod conditions;
 mod irradiance;
 mod patches;
 mod rows;
 mod scenes;
 mod schema;
+mod sources;
