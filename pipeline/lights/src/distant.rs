@@ -103,6 +103,10 @@ impl LightKind for DistantLight {
         }
     }
 
+    fn is_visible(&self) -> bool {
+        self.spread() > 0.0
+    }
+
     fn density(&self, _at: Vec3, toward: Vec3) -> f32 {
         let spread = self.spread();
         if spread > 0.0 && spread_between(self.toward, toward) <= spread {

@@ -83,6 +83,17 @@ impl LightKind for GoniometricLight {
         })
     }
 
+    fn intensity_toward(&self, direction: Vec3) -> Vec3 {
+        self.intensity_in(direction)
+    }
+
+    fn leave_density(&self, direction: Vec3) -> f32 {
+        match &self.profile {
+            Profile::Picture(map) => map.density(direction),
+            Profile::Ies(..) => UNIFORM_SPHERE_DENSITY,
+        }
+    }
+
     fn power(&self, _scene_radius: f32) -> Vec3 {
         self.intensity * self.mean() * (4.0 * PI)
     }

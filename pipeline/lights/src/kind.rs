@@ -69,6 +69,11 @@ pub trait LightKind: Clone + PartialEq {
         Vec3::ZERO
     }
 
+    /// Whether a ray can meet the light: whether [`LightKind::radiance`] is not zero everywhere.
+    fn is_visible(&self) -> bool {
+        false
+    }
+
     /// Density of [`LightKind::sample`] at `at` with respect to solid angle [1/sr]; 0 for a light
     /// of single directions.
     fn density(&self, _at: Vec3, _toward: Vec3) -> f32 {
@@ -83,6 +88,16 @@ pub trait LightKind: Clone + PartialEq {
     /// Direction of a light subpath, by two numbers in [0, 1), where the light is a point.
     fn leave(&self, _u: [f32; 2]) -> Option<Leaving> {
         None
+    }
+
+    /// Radiant intensity [W/sr] in a unit direction away from the light, where it is a point.
+    fn intensity_toward(&self, _direction: Vec3) -> Vec3 {
+        Vec3::ZERO
+    }
+
+    /// Density of [`LightKind::leave`] with respect to solid angle [1/sr].
+    fn leave_density(&self, _direction: Vec3) -> f32 {
+        0.0
     }
 
     /// Radiant power \[W\]: all that a point emits, or that a light from afar sends through a

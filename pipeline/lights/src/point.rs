@@ -55,6 +55,14 @@ impl LightKind for PointLight {
         })
     }
 
+    fn intensity_toward(&self, _direction: Vec3) -> Vec3 {
+        self.intensity
+    }
+
+    fn leave_density(&self, _direction: Vec3) -> f32 {
+        UNIFORM_SPHERE_DENSITY
+    }
+
     fn power(&self, _scene_radius: f32) -> Vec3 {
         self.intensity * (4.0 * PI)
     }

@@ -45,6 +45,11 @@ macro_rules! kinds {
                 match self { $(LightSource::$kind(light) => light.radiance(toward),)* }
             }
 
+            /// [`LightKind::is_visible`].
+            pub fn is_visible(&self) -> bool {
+                match self { $(LightSource::$kind(light) => light.is_visible(),)* }
+            }
+
             /// [`LightKind::density`].
             pub fn density(&self, at: Vec3, toward: Vec3) -> f32 {
                 match self { $(LightSource::$kind(light) => light.density(at, toward),)* }
@@ -58,6 +63,16 @@ macro_rules! kinds {
             /// [`LightKind::leave`].
             pub fn leave(&self, u: [f32; 2]) -> Option<Leaving> {
                 match self { $(LightSource::$kind(light) => light.leave(u),)* }
+            }
+
+            /// [`LightKind::intensity_toward`].
+            pub fn intensity_toward(&self, direction: Vec3) -> Vec3 {
+                match self { $(LightSource::$kind(light) => light.intensity_toward(direction),)* }
+            }
+
+            /// [`LightKind::leave_density`].
+            pub fn leave_density(&self, direction: Vec3) -> f32 {
+                match self { $(LightSource::$kind(light) => light.leave_density(direction),)* }
             }
 
             /// [`LightKind::power`].

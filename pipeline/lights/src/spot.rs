@@ -136,6 +136,18 @@ impl LightKind for SpotLight {
         })
     }
 
+    fn intensity_toward(&self, direction: Vec3) -> Vec3 {
+        self.intensity * self.share(direction)
+    }
+
+    fn leave_density(&self, direction: Vec3) -> f32 {
+        let [_, outer] = self.spreads();
+        match spread_between(self.axis, direction) <= outer {
+            true => uniform_cone_density(outer),
+            false => 0.0,
+        }
+    }
+
     fn power(&self, _scene_radius: f32) -> Vec3 {
         self.intensity * self.solid_angle()
     }

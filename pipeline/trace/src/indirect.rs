@@ -82,14 +82,14 @@ pub fn indirect_with(
 }
 
 impl Queries<'_> {
-    fn check(&self) -> Result<(), TraceError> {
+    pub(crate) fn check(&self) -> Result<(), TraceError> {
         let expected = self.points.len();
         same_length("viewers", self.viewers.len(), expected)?;
         same_length("lights", self.lights.len(), expected)
     }
 
     /// One row for every replicate of every query.
-    fn rows(&self, replicates: u32, first_index: u64) -> Vec<Row> {
+    pub(crate) fn rows(&self, replicates: u32, first_index: u64) -> Vec<Row> {
         let columns = self.points.iter().zip(self.viewers).zip(self.lights);
         let queries = columns.zip(first_index..);
         queries

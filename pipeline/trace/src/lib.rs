@@ -2,8 +2,8 @@
 //!
 //! [`Tracer`] makes a scene ready for rays; [`Tracer::sample_area`] and [`Tracer::locate`] name
 //! points on its surface; [`indirect`] estimates what those points send to a viewer when a
-//! point light shines, direct light left out; [`lamp_light`] what they send when the scene's own
-//! lamps shine.
+//! point light shines, direct light left out; [`own_light`] what they send when a [`LightSet`] of
+//! the scene's own lights shines.
 //! Paths travel in waves over columns (`wave`); their rays walk an eight-wide hierarchy
 //! (`walk`); surfaces scatter as [`rrf_materials`] says. Random numbers are a function of indices
 //! (`Stream`), so that any part of any result can be made again alone, on any number of
@@ -16,10 +16,11 @@ mod error;
 mod estimates;
 mod facets;
 mod indirect;
-mod lamp_light;
 mod lamps;
+mod light_set;
 mod locate;
 mod mirrors;
+mod own_light;
 mod rays;
 mod shading;
 mod surface;
@@ -30,7 +31,8 @@ mod wave;
 pub use error::TraceError;
 pub use estimates::{Estimates, Sampling};
 pub use indirect::{Estimator, Queries, indirect, indirect_with};
-pub use lamp_light::{Reflections, lamp_light};
+pub use light_set::LightSet;
+pub use own_light::{Illumination, Reflections, lamp_light, own_light, sun_light};
 pub use rays::{Hits, Rays};
 pub use surface::SurfacePoint;
 pub use tracer::Tracer;

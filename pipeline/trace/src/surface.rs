@@ -118,6 +118,7 @@ impl Tracer<'_> {
 
     /// Radiance that the surface emits at a point toward `v` [W/(sr m^2)].
     pub fn emission(&self, point: &SurfacePoint, v: Vec3) -> Vec3 {
-        crate::lamps::emission(self.scene, point.triangle, point.normal, v)
+        self.lamps
+            .emission(self.scene, point.triangle, point.normal, v)
     }
 }

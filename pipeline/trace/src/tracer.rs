@@ -3,7 +3,7 @@
 use crate::TraceError;
 use crate::check::check;
 use crate::facets::Facet;
-use crate::lamps::Lamps;
+use crate::light_set::LightSet;
 use crate::mirrors::Mirrors;
 use crate::rays::{self, Hits, Rays};
 use crate::walk::Wide;
@@ -33,8 +33,8 @@ pub struct Tracer<'s> {
     pub(crate) materials: Vec<Bsdf>,
     /// Cumulative area of the scene's triangles, metres squared.
     pub(crate) area_cdf: Vec<f64>,
-    /// The triangles that emit.
-    pub(crate) lamps: Lamps,
+    /// Its area lights, shining as in the scene.
+    pub(crate) lamps: LightSet,
     /// Its flat glossy surfaces.
     pub(crate) mirrors: Mirrors,
 }
@@ -70,7 +70,7 @@ impl<'s> Tracer<'s> {
             mirrors: Mirrors::new(scene, &facets, &areas),
             facets,
             materials: scene.materials.iter().map(Bsdf::of).collect(),
-            lamps: Lamps::new(scene, &area_cdf),
+            lamps: LightSet::new(scene, &area_cdf, scene.area_lights.clone(), []),
             area_cdf,
         })
     }

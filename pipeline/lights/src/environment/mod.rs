@@ -124,6 +124,10 @@ impl LightKind for Environment {
         }
     }
 
+    fn is_visible(&self) -> bool {
+        true
+    }
+
     fn density(&self, at: Vec3, toward: Vec3) -> f32 {
         self.density_through(self.open(at), at, toward)
     }

@@ -202,7 +202,14 @@ fn leaves(name: &str, light: &impl LightKind) {
         (mean - power).abs() < 5.0 * se + 2e-4 * power,
         "{name}: {mean} {power} {se}"
     );
+    let mut at_rims = 0;
     for sample in samples {
-        assert!((sample.direction.length() - 1.0).abs() < 1e-5);
+        let direction = sample.direction;
+        assert!((direction.length() - 1.0).abs() < 1e-5);
+        assert_eq!(light.intensity_toward(direction), sample.intensity);
+        let told = light.leave_density(direction);
+        at_rims += u32::from((told - sample.density).abs() > 1e-3 * sample.density);
     }
+    // Rounding takes a sample in thousands over the rim of a cone or of a texel.
+    assert!(at_rims < 200, "{name}: {at_rims} other densities");
 }

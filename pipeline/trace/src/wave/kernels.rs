@@ -1,102 +1,12 @@
 //! Shading of a tile's vertices: light gathered, a direction chosen.
 
+use super::lanes::{Departures, FarLanes, LampLanes, Lit, Vertices};
 use super::random::Draws;
-use super::tile::{Contributions, Surfaces};
+use super::tile::Contributions;
 use glam::Vec3;
 use multiversion::multiversion;
 use rrf_materials::math::pick;
-use rrf_materials::{Lane, Lane3, MaterialLanes, Scatter, Scattered, TILE};
-use std::f32::consts::PI;
-
-/// Path vertices of a tile.
-pub(crate) struct Vertices {
-    pub(crate) surfaces: Surfaces,
-    /// Unit directions to where the path came from.
-    pub(crate) viewer: Lane3,
-    /// Product of f cos / pdf up to here.
-    pub(crate) throughput: Lane3,
-    /// Largest channel of the throughput after the first scattering.
-    pub(crate) first: Lane,
-    /// Density of having arrived here, with respect to area.
-    pub(crate) density: Lane,
-    /// Density with which a mirror would have led here.
-    pub(crate) mirror_density: Lane,
-    /// Point light of the lane's path.
-    pub(crate) light: Lane3,
-}
-
-/// The points that a point light's own ray met, or that mirrors show it by.
-pub(crate) struct Lit {
-    /// Seen from the light.
-    pub(crate) surfaces: Surfaces,
-    /// Unit direction to the light.
-    pub(crate) toward: Lane3,
-    /// Irradiance at normal incidence, 1 / distance^2 for 1 W/sr; zero where the ray missed.
-    pub(crate) falloff: Lane,
-    /// Density of the point with respect to area, by the light's ray and by a mirror together.
-    pub(crate) density: Lane,
-}
-
-/// Points on lamps, one for each path of a tile.
-pub(crate) struct LampLanes {
-    pub(crate) position: Lane3,
-    /// Unit normal on the path's side.
-    pub(crate) normal: Lane3,
-    pub(crate) lift: Lane,
-    /// Radiance emitted toward the path.
-    pub(crate) radiance: Lane3,
-    /// Density of the point with respect to area.
-    pub(crate) density: Lane,
-}
-
-/// Where the paths go next.
-pub(crate) struct Departures {
-    pub(crate) throughput: Lane3,
-    pub(crate) origin: Lane3,
-    pub(crate) direction: Lane3,
-    /// Density with respect to solid angle; zero where the path ends.
-    pub(crate) density: Lane,
-}
-
-impl Vertices {
-    pub(crate) const ZERO: Vertices = Vertices {
-        surfaces: Surfaces::ZERO,
-        viewer: Lane3::ZERO,
-        throughput: Lane3::ZERO,
-        first: [0.0; TILE],
-        density: [0.0; TILE],
-        mirror_density: [0.0; TILE],
-        light: Lane3::ZERO,
-    };
-}
-
-impl Lit {
-    pub(crate) const ZERO: Lit = Lit {
-        surfaces: Surfaces::ZERO,
-        toward: Lane3::ZERO,
-        falloff: [0.0; TILE],
-        density: [0.0; TILE],
-    };
-}
-
-impl LampLanes {
-    pub(crate) const ZERO: LampLanes = LampLanes {
-        position: Lane3::ZERO,
-        normal: Lane3::ZERO,
-        lift: [0.0; TILE],
-        radiance: Lane3::ZERO,
-        density: [0.0; TILE],
-    };
-}
-
-impl Departures {
-    pub(crate) const ZERO: Departures = Departures {
-        throughput: Lane3::ZERO,
-        origin: Lane3::ZERO,
-        direction: Lane3::ZERO,
-        density: [0.0; TILE],
-    };
-}
+use rrf_materials::{Lane3, MaterialLanes, Scatter, Scattered, TILE};
 
 /// Questions to the materials of a tile and their answers, where not all are Lambert.
 pub(crate) struct Answers {
@@ -168,13 +78,14 @@ fn next_event_lanes<const MIXED: bool>(
         let (n, v) = (at.surfaces.shading.get(i), at.viewer.get(i));
         let (value, _) = eval::<MIXED>(&at.surfaces.materials, &answers.here, i, [n, v, l]);
         let cosine = geometric.dot(l);
-        let other = if shared {
-            cosine / (4.0 * PI * distance2) + at.mirror_density[i]
+        let weight = if shared {
+            let other = cosine / (at.solid_angle[i] * distance2) + at.mirror_density[i];
+            at.density[i] / (at.density[i] + other)
         } else {
-            0.0
+            1.0
         };
-        let weight = at.density[i] / (at.density[i] + other);
         let value = at.throughput.get(i) * value * (weight / distance2);
+        let value = value * at.intensity.get(i);
         let origin = at.surfaces.origin(i);
         out.value.set(
             i,
@@ -212,6 +123,33 @@ fn next_lamp_lanes<const MIXED: bool>(
     }
 }
 
+/// Next-event estimation toward light from afar, by the balance heuristic against the path's next
+/// direction having met it.
+#[inline(always)]
+fn next_far_lanes<const MIXED: bool>(
+    at: &Vertices,
+    far: &FarLanes,
+    answers: &Answers,
+    out: &mut Contributions,
+) {
+    for i in 0..TILE {
+        let l = far.toward.get(i);
+        let (n, v) = (at.surfaces.shading.get(i), at.viewer.get(i));
+        let (value, density) = eval::<MIXED>(&at.surfaces.materials, &answers.here, i, [n, v, l]);
+        let own = far.density[i];
+        let weight = if own > 0.0 {
+            own / (own + density)
+        } else {
+            1.0
+        };
+        let value = at.throughput.get(i) * value * far.irradiance.get(i) * weight;
+        let faces = at.surfaces.geometric.get(i).dot(l) > 0.0;
+        out.value.set(i, pick(faces, value, Vec3::ZERO));
+        out.origin.set(i, at.surfaces.origin(i));
+        out.direction.set(i, l);
+    }
+}
+
 /// Light that comes by way of a point that the light's own ray met or that a mirror shows it by, by
 /// the balance heuristic among these two and the path's next direction having found that point:
 /// value / (sum of the three densities), whichever of the two it was.
@@ -232,10 +170,11 @@ fn connect_lanes<const MIXED: bool>(
         let cosine = -geometric.dot(l);
         let per_area = density * cosine / distance2;
         let scale = cosine * lit.falloff[i] / (distance2 * (lit.density[i] + per_area));
-        let value = at.throughput.get(i) * value * onward * scale;
+        let value = at.throughput.get(i) * value * onward * scale * lit.intensity.get(i);
         let faces = (at.surfaces.geometric.get(i).dot(l) > 0.0) & (cosine > 0.0);
         let origin = at.surfaces.origin(i);
-        let counts = faces & (distance2 > 0.0) & (lit.falloff[i] > 0.0);
+        let is_lit = (lit.falloff[i] > 0.0) & (lit.density[i] > 0.0);
+        let counts = faces & (distance2 > 0.0) & is_lit;
         out.value.set(i, pick(counts, value, Vec3::ZERO));
         out.origin.set(i, origin);
         out.direction.set(i, lit.surfaces.origin(i) - origin);
@@ -309,6 +248,17 @@ impl Answers {
         true
     }
 
+    /// Asks the vertices' materials for light from some directions; false where all are Lambert.
+    fn ask_along(&mut self, at: &Vertices, toward: &Lane3) -> bool {
+        let materials = &at.surfaces.materials;
+        if materials.all_diffuse() {
+            return false;
+        }
+        let directions = [&at.surfaces.shading, &at.viewer, toward];
+        materials.eval(directions, &mut self.here);
+        true
+    }
+
     /// Asks the materials of vertices and lit points for the way between them.
     fn ask_both(&mut self, at: &Vertices, lit: &Lit) -> bool {
         let [here, there] = [&at.surfaces.materials, &lit.surfaces.materials];
@@ -354,6 +304,7 @@ macro_rules! dispatched {
 dispatched!(next_event_widest, next_event_lanes, (at: &Vertices, shared: bool, answers: &Answers, out: &mut Contributions));
 dispatched!(connect_widest, connect_lanes, (at: &Vertices, lit: &Lit, answers: &Answers, out: &mut Contributions));
 dispatched!(next_lamp_widest, next_lamp_lanes, (at: &Vertices, lamps: &LampLanes, answers: &Answers, out: &mut Contributions));
+dispatched!(next_far_widest, next_far_lanes, (at: &Vertices, far: &FarLanes, answers: &Answers, out: &mut Contributions));
 dispatched!(scatter_widest, scatter_lanes, (at: &Vertices, draws: &Draws, keep: f32, answers: &Answers, out: &mut Departures));
 
 /// [`next_event_lanes`] for the widest instruction set.
@@ -376,6 +327,17 @@ pub(crate) fn next_lamp(
 ) {
     let mixed = answers.ask(at, &lamps.position);
     next_lamp_widest(mixed, at, lamps, answers, out);
+}
+
+/// [`next_far_lanes`] for the widest instruction set.
+pub(crate) fn next_far(
+    at: &Vertices,
+    far: &FarLanes,
+    answers: &mut Answers,
+    out: &mut Contributions,
+) {
+    let mixed = answers.ask_along(at, &far.toward);
+    next_far_widest(mixed, at, far, answers, out);
 }
 
 /// [`connect_lanes`] for the widest instruction set.

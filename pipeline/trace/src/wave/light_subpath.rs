@@ -1,5 +1,6 @@
-//! Light subpaths: one ray from each path's point light, and the vertex that it meets.
+//! Light subpaths: one ray from each path's point of light, and the vertex that it meets.
 
+use super::part::Source;
 use super::path::LightVertex;
 use super::random;
 use super::run::{Batch, Wave};
@@ -8,45 +9,63 @@ use crate::walk::Ray;
 use glam::Vec3;
 use rrf_materials::math::sin_cos_turn;
 use rrf_materials::{INVALID, TILE};
-use std::f32::consts::PI;
 
 impl Wave {
     /// Sends one ray from each path's light, uniform over the sphere (density 1 / (4 pi) with
-    /// respect to solid angle), and keeps what it meets.
+    /// respect to solid angle) or as the light's kind does, and keeps what it meets.
     pub(super) fn trace_light_subpaths(&mut self, batch: &Batch) {
         self.rays.clear();
         for first in (0..self.paths.len()).step_by(TILE) {
             let lanes = TILE.min(self.paths.len() - first);
             self.stratify(batch, random::LIGHT, first, lanes);
             for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
-                let z = 1.0 - 2.0 * self.draws.units[0][i];
-                let radius = (1.0 - z * z).max(0.0).sqrt();
-                let (sine, cosine) = sin_cos_turn(self.draws.units[1][i]);
+                let light = &self.path_lights[path.slot as usize];
+                let u = [self.draws.units[0][i], self.draws.units[1][i]];
+                let direction = match batch.part.source {
+                    Source::Set { set, .. } => {
+                        let source = set.points.source(light.source);
+                        source.and_then(|s| s.leave(u)).map(|l| l.direction)
+                    }
+                    _ => Some(uniform(u)),
+                };
                 self.rays.push(Ray {
-                    origin: batch.row(path).light,
-                    direction: Vec3::new(radius * cosine, radius * sine, z),
-                    t_max: f32::INFINITY,
+                    origin: light.position,
+                    direction: direction.unwrap_or(Vec3::Z),
+                    // a light that sends nothing meets nothing
+                    t_max: direction.map_or(0.0, |_| f32::INFINITY),
                 });
             }
         }
         let tracer = batch.part.tracer;
         rays::closest(&tracer.wide, &self.rays, &mut self.stack, &mut self.hits);
         self.light_vertices.clear();
-        for (ray, hit) in self.rays.iter().zip(&self.hits) {
+        let rays = self.rays.iter().zip(&self.path_lights);
+        for ((ray, light), hit) in rays.zip(&self.hits) {
             self.light_vertices.push(if hit.triangle == INVALID {
                 LightVertex::NONE
             } else {
                 let toward = -ray.direction;
                 let vertex = tracer.vertex(hit.triangle, hit.barycentrics, toward);
                 let falloff = 1.0 / (hit.t * hit.t);
+                let (intensity, solid_angle) = batch.part.source.intensity(light, ray.direction);
                 LightVertex {
                     vertex,
                     toward,
                     falloff,
+                    intensity,
                     mirror: tracer.mirrors.of(hit.triangle),
-                    density: vertex.geometric.dot(toward) * falloff / (4.0 * PI),
+                    density: vertex.geometric.dot(toward) * falloff / solid_angle,
                 }
             });
         }
     }
+}
+
+/// A direction uniform over the sphere.
+#[inline]
+fn uniform(u: [f32; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * u[0];
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sine, cosine) = sin_cos_turn(u[1]);
+    Vec3::new(radius * cosine, radius * sine, z)
 }

@@ -1,14 +1,16 @@
 //! Paths into the columns of a tile.
 
-use super::kernels::Vertices;
-use super::path::Path;
+use super::lanes::Vertices;
+use super::path::{Path, PathLight};
 use super::random::Draws;
 use super::run::Batch;
 
-/// Copies paths at their vertices into a tile's columns.
+/// Copies paths at their vertices, and their points of light where they have some, into a tile's
+/// columns.
 pub(super) fn load<'a>(
     batch: &Batch,
     paths: impl Iterator<Item = &'a Path>,
+    lights: &[PathLight],
     vertices: &mut Vertices,
     draws: &mut Draws,
 ) {
@@ -24,7 +26,13 @@ pub(super) fn load<'a>(
         vertices.first[i] = path.first;
         vertices.density[i] = path.density;
         vertices.mirror_density[i] = path.mirror_density;
-        vertices.light.set(i, row.light);
+        if let Some(light) = lights.get(path.slot as usize) {
+            let away = vertex.position - light.position;
+            let (intensity, solid_angle) = batch.part.source.intensity(light, away);
+            vertices.light.set(i, light.position);
+            vertices.intensity.set(i, intensity);
+            vertices.solid_angle[i] = solid_angle;
+        }
         let number = row.replicate.wrapping_mul(each).wrapping_add(path.number);
         draws.name(i, row.index, number);
     }

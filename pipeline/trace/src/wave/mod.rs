@@ -5,6 +5,7 @@
 //! batch. Rows keep their order, so sums are folded in the order of the paths.
 
 mod kernels;
+mod lanes;
 mod light_subpath;
 mod load;
 mod part;

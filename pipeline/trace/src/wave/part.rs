@@ -1,27 +1,38 @@
 //! Which light of which rows is wanted.
 
+use super::path::PathLight;
+use crate::light_set::{LightSet, shared};
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
 use glam::Vec3;
+use rrf_lights::{Arrival, DistantLight, EmittingTriangles, LightKind};
 use rrf_sampling::Stream;
+use std::f32::consts::PI;
 
 /// Which lights shine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Source {
+#[derive(Clone, Copy)]
+pub(crate) enum Source<'a> {
     /// Each row's own point light of 1 W/sr.
     Point {
         /// Whether paths are also connected to what the light's own rays met.
         connect: bool,
     },
-    /// The scene's emitting triangles.
-    Lamps,
+    /// Each row's own sun of 1 W/m².
+    Sun,
+    /// Lights together.
+    Set {
+        /// The lights.
+        set: &'a LightSet,
+        /// Whether paths are also connected to what a point's own rays met.
+        connect: bool,
+    },
 }
 
 /// Which part of the light is wanted of all rows.
 #[derive(Clone, Copy)]
 pub(crate) struct Part<'a> {
     pub(crate) tracer: &'a Tracer<'a>,
-    pub(crate) source: Source,
+    pub(crate) source: Source<'a>,
     /// One reflection only, or else two or more.
     pub(crate) direct: bool,
     /// How a path's survival follows its throughput ([`super::KEEP`]).
@@ -35,10 +46,112 @@ pub(crate) struct Row {
     pub(crate) point: SurfacePoint,
     /// Unit direction to the viewer.
     pub(crate) viewer: Vec3,
-    /// Position of the point light, if one shines.
+    /// Position of the point light or unit direction to the sun, if one shines.
     pub(crate) light: Vec3,
     /// Index of the sample in its stream.
     pub(crate) index: u64,
     /// Which independent part of the sample this is.
     pub(crate) replicate: u32,
+}
+
+/// A row's own sun.
+fn sun(row: &Row) -> DistantLight {
+    DistantLight::sun(row.light, Vec3::ONE)
+}
+
+impl<'a> Source<'a> {
+    /// Whether nothing shines.
+    pub(crate) fn is_dark(&self) -> bool {
+        matches!(self, Source::Set { set, .. } if set.is_dark())
+    }
+
+    /// Whether paths have a point of light each.
+    pub(crate) fn has_points(&self) -> bool {
+        match self {
+            Source::Point { .. } => true,
+            Source::Sun => false,
+            Source::Set { set, .. } => !set.points.is_empty(),
+        }
+    }
+
+    /// Whether paths are connected to what their point's own ray met.
+    pub(crate) fn connects(&self) -> bool {
+        match *self {
+            Source::Point { connect } => connect,
+            Source::Sun => false,
+            Source::Set { connect, .. } => connect && self.has_points(),
+        }
+    }
+
+    /// Whether light comes from afar.
+    pub(crate) fn has_far(&self) -> bool {
+        match self {
+            Source::Point { .. } => false,
+            Source::Sun => true,
+            Source::Set { set, .. } => !set.far.is_empty(),
+        }
+    }
+
+    /// Triangles that emit, if there are any.
+    pub(crate) fn triangles(&self) -> Option<(&'a LightSet, &'a EmittingTriangles)> {
+        match *self {
+            Source::Set { set, .. } if !set.triangles.is_empty() => Some((set, &set.triangles)),
+            _ => None,
+        }
+    }
+
+    /// A path's point of light, by a number in [0, 1) where there is a choice.
+    pub(crate) fn point(&self, row: &Row, u: impl FnOnce() -> f32) -> PathLight {
+        let mut light = PathLight {
+            position: row.light,
+            source: 0,
+            scale: 1.0,
+        };
+        if let Source::Set { set, .. } = self {
+            let (index, probability) = set.points.choose(u());
+            if let Some(position) = set.points.source(index).and_then(|s| s.position()) {
+                light = PathLight {
+                    position,
+                    source: index,
+                    scale: 1.0 / probability,
+                };
+            }
+        }
+        light
+    }
+
+    /// Radiant intensity [W/sr] of a path's point of light in a direction away from it, over
+    /// the probability of its choice, and the inverse density of its own rays \[sr\].
+    #[inline]
+    pub(crate) fn intensity(&self, light: &PathLight, away: Vec3) -> (Vec3, f32) {
+        let Source::Set { set, .. } = self else {
+            return (Vec3::ONE, 4.0 * PI);
+        };
+        match (set.points.source(light.source), away.try_normalize()) {
+            (Some(source), Some(away)) => (
+                source.intensity_toward(away) * light.scale,
+                1.0 / source.leave_density(away),
+            ),
+            _ => (Vec3::ZERO, f32::INFINITY),
+        }
+    }
+
+    /// Light that arrives from afar at a row's path, by three numbers in [0, 1).
+    pub(crate) fn from_afar(&self, row: &Row, at: Vec3, u: [f32; 3]) -> Option<Arrival> {
+        match self {
+            Source::Point { .. } => None,
+            Source::Sun => sun(row).sample(at, [u[1], u[2]]),
+            Source::Set { set, .. } => set.far.sample(at, u),
+        }
+    }
+
+    /// Radiance that a row's path meets from afar, by the balance heuristic of its direction's
+    /// density against [`Source::from_afar`].
+    pub(crate) fn met(&self, row: &Row, at: Vec3, toward: Vec3, density: f32) -> Vec3 {
+        match self {
+            Source::Point { .. } => Vec3::ZERO,
+            Source::Sun => shared(&sun(row).into(), at, toward, density, 1.0),
+            Source::Set { set, .. } => set.far.met(at, toward, density),
+        }
+    }
 }

@@ -30,6 +30,16 @@ pub(crate) struct Path {
     pub(crate) mirror_density: f32,
 }
 
+/// A path's point of light.
+#[derive(Clone, Copy)]
+pub(crate) struct PathLight {
+    pub(crate) position: Vec3,
+    /// Which of the set's points it is.
+    pub(crate) source: u32,
+    /// One over the probability of its choice.
+    pub(crate) scale: f32,
+}
+
 /// The point that a light's own ray met.
 #[derive(Clone, Copy)]
 pub(crate) struct LightVertex {
@@ -38,6 +48,8 @@ pub(crate) struct LightVertex {
     pub(crate) toward: Vec3,
     /// Irradiance at normal incidence from 1 W/sr; zero when nothing was met.
     pub(crate) falloff: f32,
+    /// Intensity toward it, over the probability of the light's choice.
+    pub(crate) intensity: Vec3,
     /// Density with respect to area.
     pub(crate) density: f32,
     /// Mirror that it lies on.
@@ -50,6 +62,7 @@ impl LightVertex {
         vertex: Vertex::NONE,
         toward: Vec3::Z,
         falloff: 0.0,
+        intensity: Vec3::ZERO,
         density: 0.0,
         mirror: NO_MIRROR,
     };

@@ -13,6 +13,12 @@ pub(crate) const LIGHT: usize = 3 * STRATIFIED;
 pub(crate) const SPECULAR: usize = LIGHT + 3;
 /// Blocks of the choice of a point on a mirror, one a bounce.
 pub(crate) const SPECULAR_BLOCKS: u32 = 1 << 29;
+/// First of the three dimensions of the first light from afar.
+pub(crate) const FAR: usize = SPECULAR;
+/// Block of the choice of a path's point of light.
+pub(crate) const POINT_BLOCK: u32 = 1 << 27;
+/// Blocks of the choice of light from afar, one a bounce.
+pub(crate) const FAR_BLOCKS: u32 = 1 << 28;
 /// Blocks of the choice of a lamp's point, one a bounce.
 pub(crate) const LAMP_BLOCKS: u32 = 1 << 30;
 

@@ -1,17 +1,18 @@
 //! One thread's paths.
 
-use super::kernels::{Answers, Departures, LampLanes, Lit, Vertices};
-use super::part::{Part, Row, Source};
-use super::path::{Connection, LightVertex, Path};
-use super::random::Draws;
+use super::kernels::Answers;
+use super::lanes::{Departures, FarLanes, LampLanes, Lit, Vertices};
+use super::part::{Part, Row};
+use super::path::{Connection, LightVertex, Path, PathLight};
+use super::random::{self, Draws};
 use super::tile::Contributions;
-use crate::lamps;
 use crate::mirrors::NO_MIRROR;
 use crate::rays;
 use crate::tracer::Tracer;
 use crate::walk::{Found, Ray, Stack};
 use glam::Vec3;
 use rrf_sampling::sobol::{self, DIMENSIONS, Scramble, Table};
+use rrf_sampling::unit;
 use rrf_scene::INVALID;
 
 /// Rows whose paths travel together.
@@ -30,6 +31,9 @@ pub(super) struct Batch<'a> {
 /// variance and a fifth less time (docs/accuracy.md).
 const LATER: f32 = 0.5;
 
+/// The largest number that a choice takes.
+const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;
+
 /// The share of a bounce's vertices that look at mirrors.
 pub(super) fn looks(bounce: u32) -> f32 {
     if bounce == 0 { 1.0 } else { LATER }
@@ -47,21 +51,19 @@ impl Batch<'_> {
     }
 
     /// Density with which a mirror would have led a path to where its ray ended.
-    fn mirror_density(&self, path: &Path, hit: &Found, bounce: u32) -> f32 {
+    fn mirror_density(&self, path: &Path, light: Vec3, hit: &Found, bounce: u32) -> f32 {
         let tracer = self.part.tracer;
         let mirror = tracer.mirrors.of(hit.triangle);
-        if mirror == NO_MIRROR || !self.looks_at_mirrors() {
+        if mirror == NO_MIRROR {
             return 0.0;
         }
         let y = tracer.facets[hit.triangle as usize].position(hit.barycentrics);
-        let light = self.row(path).light;
         looks(bounce) * tracer.mirrors.density(mirror, path.from, light, y)
     }
 
     /// Whether light that mirrors show is sought.
     pub(super) fn looks_at_mirrors(&self) -> bool {
-        let connected = self.part.source == Source::Point { connect: true };
-        connected && !self.part.tracer.mirrors.is_empty()
+        self.part.source.connects() && !self.part.tracer.mirrors.is_empty()
     }
 }
 
@@ -81,7 +83,8 @@ pub(super) struct Wave {
     pub(super) connections: Vec<Connection>,
     pub(super) connection_rays: Vec<Ray>,
     pub(super) met: Vec<(Connection, Found)>,
-    /// One a slot, if the source is connected to.
+    /// One a slot, if the source has points, and the points that they see if it is connected to.
+    pub(super) path_lights: Vec<PathLight>,
     pub(super) light_vertices: Vec<LightVertex>,
     /// One a row.
     pub(super) scrambles: Vec<[Scramble; DIMENSIONS]>,
@@ -91,6 +94,7 @@ pub(super) struct Wave {
     pub(super) vertices: Box<Vertices>,
     pub(super) lit: Box<Lit>,
     pub(super) lamps: Box<LampLanes>,
+    pub(super) far: Box<FarLanes>,
     pub(super) draws: Box<Draws>,
     pub(super) contributions: Box<Contributions>,
     pub(super) departures: Box<Departures>,
@@ -110,6 +114,7 @@ impl Wave {
             connections: Vec::new(),
             connection_rays: Vec::new(),
             met: Vec::new(),
+            path_lights: Vec::new(),
             light_vertices: Vec::new(),
             scrambles: Vec::new(),
             sums: Vec::new(),
@@ -117,6 +122,7 @@ impl Wave {
             vertices: Box::new(Vertices::ZERO),
             lit: Box::new(Lit::ZERO),
             lamps: Box::new(LampLanes::ZERO),
+            far: Box::new(FarLanes::ZERO),
             draws: Box::new(Draws::ZERO),
             contributions: Box::new(Contributions::ZERO),
             departures: Box::new(Departures::ZERO),
@@ -127,7 +133,10 @@ impl Wave {
     /// Traces every row's paths; gives the estimate of each, shape [rows, paths].
     pub(super) fn run(&mut self, batch: &Batch) -> &[Vec3] {
         self.start(batch);
-        if batch.part.source == (Source::Point { connect: true }) {
+        if batch.part.source.has_points() {
+            self.choose_points(batch);
+        }
+        if batch.part.source.connects() {
             self.trace_light_subpaths(batch);
         }
         for bounce in 0.. {
@@ -150,6 +159,7 @@ impl Wave {
         self.sums.resize(batch.rows.len() * batch.paths, Vec3::ZERO);
         self.scrambles.clear();
         self.paths.clear();
+        self.path_lights.clear();
         for (index, row) in batch.rows.iter().enumerate() {
             let stream = batch.part.stream;
             self.scrambles
@@ -171,6 +181,24 @@ impl Wave {
         }
     }
 
+    /// A point of light for each path.
+    fn choose_points(&mut self, batch: &Batch) {
+        let (source, count) = (batch.part.source, batch.replicate_paths as f32);
+        for path in &self.paths {
+            let row = batch.row(path);
+            let point = source.point(row, || {
+                let number = path.number + row.replicate * batch.replicate_paths as u32;
+                let words = batch
+                    .part
+                    .stream
+                    .block(row.index, number, random::POINT_BLOCK);
+                // a replicate's paths share the lights by power, as evenly as they can
+                ((path.number as f32 + unit(words[0])) / count).min(BELOW_ONE)
+            });
+            self.path_lights.push(point);
+        }
+    }
+
     /// Adds what arrives along the shadow rays that nothing blocks.
     fn gather_light(&mut self, batch: &Batch) {
         let wide = &batch.part.tracer.wide;
@@ -183,29 +211,45 @@ impl Wave {
     }
 
     /// Moves the paths that go on to what their rays meet, and adds what a lamp met there
-    /// emits; paths that leave the scene end.
+    /// emits; paths that leave the scene end with the light from there.
     fn travel(&mut self, batch: &Batch, bounce: u32) {
         let tracer = batch.part.tracer;
         rays::closest(&tracer.wide, &self.rays, &mut self.stack, &mut self.hits);
-        let lamps = batch.part.source == Source::Lamps && bounce >= batch.first_lit();
+        let (source, lit) = (batch.part.source, bounce >= batch.first_lit());
+        let lamps = source.triangles().filter(|_| lit);
+        let far = source.has_far() && lit;
+        let mirrors = batch.looks_at_mirrors();
         self.paths.clear();
         for (path, hit) in self.next.iter().zip(&self.hits) {
             if hit.triangle == INVALID {
+                if far {
+                    let toward = -path.viewer;
+                    let met = source.met(batch.row(path), path.from, toward, path.density);
+                    self.sums[path.slot as usize] += path.throughput * met;
+                }
                 continue;
             }
             let normal = tracer.facets[hit.triangle as usize].normal;
             let density = path.density * normal.dot(path.viewer).abs() / (hit.t * hit.t);
-            if lamps && tracer.lamps.density(hit.triangle) > 0.0 {
+            if let Some((set, triangles)) = lamps
+                && triangles.density(hit.triangle) > 0.0
+            {
                 // The balance heuristic against the lamp's point having been chosen.
-                let emitted = lamps::emission(tracer.scene, hit.triangle, normal, path.viewer);
-                let weight = density / (density + tracer.lamps.density(hit.triangle));
+                let emitted = set.emission(tracer.scene, hit.triangle, normal, path.viewer);
+                let weight = density / (density + triangles.density(hit.triangle));
                 self.sums[path.slot as usize] += path.throughput * emitted * weight;
             }
             self.paths.push(Path {
                 triangle: hit.triangle,
                 barycentrics: hit.barycentrics,
                 density,
-                mirror_density: batch.mirror_density(path, hit, bounce),
+                mirror_density: match mirrors {
+                    true => {
+                        let light = self.path_lights[path.slot as usize].position;
+                        batch.mirror_density(path, light, hit, bounce)
+                    }
+                    false => 0.0,
+                },
                 ..*path
             });
         }

@@ -2,13 +2,14 @@
 
 use super::kernels;
 use super::load::load;
-use super::part::Source;
 use super::path::Path;
 use super::random;
 use super::run::{Batch, Wave, looks};
+use crate::light_set::LightSet;
 use crate::mirrors::NO_MIRROR;
 use crate::walk::Ray;
 use glam::Vec3;
+use rrf_lights::EmittingTriangles;
 use rrf_materials::TILE;
 
 impl Wave {
@@ -21,7 +22,8 @@ impl Wave {
         for first in (0..self.paths.len()).step_by(TILE) {
             let lanes = TILE.min(self.paths.len() - first);
             let paths = self.paths[first..first + lanes].iter();
-            load(batch, paths, &mut self.vertices, &mut self.draws);
+            let lights = &self.path_lights;
+            load(batch, paths, lights, &mut self.vertices, &mut self.draws);
             self.light(batch, bounce, first, lanes);
             if batch.looks_at_mirrors() {
                 self.propose_connections(batch, bounce, first, lanes);
@@ -33,27 +35,29 @@ impl Wave {
     /// Light that arrives at a tile.
     fn light(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
         let counts = bounce >= batch.first_lit();
-        match batch.part.source {
-            Source::Point { connect } => {
-                if counts {
-                    let (at, out) = (&self.vertices, &mut self.contributions);
-                    kernels::next_event(at, connect, &mut self.answers, out);
-                    self.queue_shadows(first, lanes);
-                }
-                if connect {
-                    self.load_light_vertices(batch, bounce, first, lanes);
-                    let (at, out) = (&self.vertices, &mut self.contributions);
-                    kernels::connect(at, &self.lit, &mut self.answers, out);
-                    self.queue_shadows(first, lanes);
-                }
-            }
-            Source::Lamps if counts => {
-                self.load_lamps(batch, bounce, first, lanes);
-                let (at, out) = (&self.vertices, &mut self.contributions);
-                kernels::next_lamp(at, &self.lamps, &mut self.answers, out);
-                self.queue_shadows(first, lanes);
-            }
-            Source::Lamps => {}
+        let source = batch.part.source;
+        if counts && source.has_points() {
+            let (at, out) = (&self.vertices, &mut self.contributions);
+            kernels::next_event(at, source.connects(), &mut self.answers, out);
+            self.queue_shadows(first, lanes, 1.0);
+        }
+        if source.connects() {
+            self.load_light_vertices(batch, bounce, first, lanes);
+            let (at, out) = (&self.vertices, &mut self.contributions);
+            kernels::connect(at, &self.lit, &mut self.answers, out);
+            self.queue_shadows(first, lanes, 1.0);
+        }
+        if counts && let Some((set, triangles)) = source.triangles() {
+            self.load_lamps(batch, (set, triangles), bounce, first, lanes);
+            let (at, out) = (&self.vertices, &mut self.contributions);
+            kernels::next_lamp(at, &self.lamps, &mut self.answers, out);
+            self.queue_shadows(first, lanes, 1.0);
+        }
+        if counts && source.has_far() {
+            self.load_far(batch, bounce, first, lanes);
+            let (at, out) = (&self.vertices, &mut self.contributions);
+            kernels::next_far(at, &self.far, &mut self.answers, out);
+            self.queue_shadows(first, lanes, f32::INFINITY);
         }
     }
 
@@ -66,6 +70,7 @@ impl Wave {
             self.lit.surfaces.set(i, &lit.vertex);
             self.lit.toward.set(i, lit.toward);
             self.lit.falloff[i] = lit.falloff;
+            self.lit.intensity.set(i, lit.intensity);
             self.lit.density[i] = lit.density;
             if lit.mirror != NO_MIRROR {
                 let x = self.vertices.surfaces.position.get(i);
@@ -77,7 +82,14 @@ impl Wave {
     }
 
     /// Chooses a point on a lamp for every path of a tile.
-    fn load_lamps(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
+    fn load_lamps(
+        &mut self,
+        batch: &Batch,
+        (set, triangles): (&LightSet, &EmittingTriangles),
+        bounce: u32,
+        first: usize,
+        lanes: usize,
+    ) {
         let tracer = batch.part.tracer;
         let block = random::LAMP_BLOCKS + bounce;
         random::independent(&mut self.draws, batch.part.stream, block);
@@ -86,7 +98,7 @@ impl Wave {
         }
         for i in 0..lanes {
             let u = [0, 1, 2].map(|d| self.draws.units[d][i]);
-            let Some(at) = tracer.lamps.sample(u) else {
+            let Some(at) = triangles.sample(u) else {
                 self.lamps.radiance.set(i, Vec3::ZERO);
                 continue;
             };
@@ -97,8 +109,27 @@ impl Wave {
             self.lamps.position.set(i, point.position);
             self.lamps.normal.set(i, normal);
             self.lamps.lift[i] = tracer.facets[at.triangle as usize].lift;
-            self.lamps.radiance.set(i, tracer.emission(&point, toward));
-            self.lamps.density[i] = tracer.lamps.density(at.triangle);
+            let emitted = set.emission(tracer.scene, at.triangle, point.normal, toward);
+            self.lamps.radiance.set(i, emitted);
+            self.lamps.density[i] = triangles.density(at.triangle);
+        }
+    }
+
+    /// Chooses light from afar for every path of a tile.
+    fn load_far(&mut self, batch: &Batch, bounce: u32, first: usize, lanes: usize) {
+        let block = random::FAR_BLOCKS + bounce;
+        random::independent(&mut self.draws, batch.part.stream, block);
+        if bounce == batch.first_lit() {
+            self.stratify(batch, random::FAR, first, lanes);
+        }
+        for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
+            let u = [0, 1, 2].map(|d| self.draws.units[d][i]);
+            let at = self.vertices.surfaces.position.get(i);
+            let arrival = batch.part.source.from_afar(batch.row(path), at, u);
+            let toward = arrival.map_or(Vec3::Z, |a| a.toward);
+            self.far.toward.set(i, toward);
+            (self.far.irradiance).set(i, arrival.map_or(Vec3::ZERO, |a| a.irradiance));
+            self.far.density[i] = arrival.and_then(|a| a.density).unwrap_or(0.0);
         }
     }
 
@@ -112,8 +143,8 @@ impl Wave {
         random::stratified(&mut self.draws);
     }
 
-    /// Keeps the contributions that are not zero.
-    fn queue_shadows(&mut self, first: usize, lanes: usize) {
+    /// Keeps the contributions that are not zero; their shadow rays end at `t_max`.
+    fn queue_shadows(&mut self, first: usize, lanes: usize, t_max: f32) {
         for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
             let value = self.contributions.value.get(i);
             if value != Vec3::ZERO {
@@ -121,7 +152,7 @@ impl Wave {
                 self.shadows.push(Ray {
                     origin: self.contributions.origin.get(i),
                     direction: self.contributions.direction.get(i),
-                    t_max: 1.0,
+                    t_max,
                 });
             }
         }

@@ -10,7 +10,6 @@ use crate::walk::Ray;
 use glam::Vec3;
 use rrf_materials::math::pick;
 use rrf_materials::{INVALID, TILE};
-use std::f32::consts::PI;
 
 impl Wave {
     /// Sends a ray to a point of a mirror from every vertex of a tile that sees the light in one.
@@ -73,7 +72,8 @@ impl Wave {
         }
         for tile in met.chunks(TILE) {
             let paths = tile.iter().map(|(connection, _)| &connection.path);
-            load(batch, paths, &mut self.vertices, &mut self.draws);
+            let lights = &self.path_lights;
+            load(batch, paths, lights, &mut self.vertices, &mut self.draws);
             self.lit.surfaces.materials.clear();
             for (i, (connection, hit)) in tile.iter().enumerate() {
                 self.load_specular(batch, i, connection, hit.triangle, hit.barycentrics);
@@ -87,7 +87,7 @@ impl Wave {
                     self.arriving.push((path.slot, value));
                     self.shadows.push(Ray {
                         origin,
-                        direction: batch.row(path).light - origin,
+                        direction: self.path_lights[path.slot as usize].position - origin,
                         t_max: 1.0,
                     });
                 }
@@ -108,7 +108,8 @@ impl Wave {
         at: [f32; 2],
     ) {
         let tracer = batch.part.tracer;
-        let light = batch.row(&connection.path).light;
+        let own = &self.path_lights[connection.path.slot as usize];
+        let light = own.position;
         let position = tracer.facets[triangle as usize].position(at);
         let to = light - position;
         let distance2 = to.length_squared();
@@ -119,13 +120,15 @@ impl Wave {
         } else {
             0.0
         };
-        let by_light = vertex.geometric.dot(toward) * falloff / (4.0 * PI);
+        let (intensity, solid_angle) = batch.part.source.intensity(own, -toward);
+        let by_light = vertex.geometric.dot(toward) * falloff / solid_angle;
         let x = self.vertices.surfaces.position.get(i);
         let Connection { mirror, share, .. } = *connection;
         let by_mirror = (tracer.mirrors).density_in(mirror, share, x, light, vertex.position);
         self.lit.surfaces.set(i, &vertex);
         self.lit.toward.set(i, toward);
         self.lit.falloff[i] = falloff;
+        self.lit.intensity.set(i, intensity);
         self.lit.density[i] = by_light + by_mirror;
     }
 }

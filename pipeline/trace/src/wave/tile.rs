@@ -45,7 +45,7 @@ impl Surfaces {
 pub(crate) struct Contributions {
     pub(crate) value: Lane3,
     pub(crate) origin: Lane3,
-    /// To the other point: a shadow ray's t ends at 1.
+    /// To the other point, a shadow ray's t ending at 1; a unit vector to light from afar.
     pub(crate) direction: Lane3,
 }
 

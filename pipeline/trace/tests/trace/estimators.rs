@@ -14,7 +14,7 @@ use rrf_trace::{
 
 /// A room open to the front, of two metals, a glossy dielectric and Lambert walls, with a box
 /// inside it and a lamp under the ceiling.
-fn room(lamp: bool) -> Scene {
+pub fn room(lamp: bool) -> Scene {
     let mut builder = Builder::default();
     let red = builder.material(lambert(Vec3::new(0.7, 0.1, 0.05)));
     let floor = builder.material(principled(Vec3::new(0.5, 0.6, 0.7), 0.4, 0.0, 0.8));
@@ -40,7 +40,7 @@ fn room(lamp: bool) -> Scene {
 
 /// Points that are seen from the open front, and lights, some of them near the box and the
 /// walls.
-fn views(tracer: &Tracer, count: u64) -> (Vec<SurfacePoint>, Vec<Vec3>, Vec<Vec3>) {
+pub fn views(tracer: &Tracer, count: u64) -> (Vec<SurfacePoint>, Vec<Vec3>, Vec<Vec3>) {
     let eye = Vec3::new(0.2, 1.0, 2.5);
     let stream = Stream::new(71, Stage::Test, 0);
     let (mut points, mut viewers, mut lights) = (Vec::new(), Vec::new(), Vec::new());

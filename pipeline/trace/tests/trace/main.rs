@@ -8,6 +8,8 @@ mod furnace;
 mod hierarchy;
 mod lamps;
 mod mirrors;
+mod own_closed;
+mod own_lights;
 mod planes;
 mod reference;
 mod refusals;

@@ -3,6 +3,7 @@
 //! with the library and nothing else.
 
 use glam::{DVec3, Vec3};
+use rrf_lights::LightSource;
 use rrf_materials::Bsdf;
 use rrf_sampling::hash::hash;
 use rrf_scene::{INVALID, Scene};
@@ -162,6 +163,46 @@ impl Plain<'_> {
             }
             throughput /= SURVIVAL;
         }
+    }
+}
+
+impl Plain<'_> {
+    /// One path's full light of the scene's lamps and other lights: points by a ray to each of
+    /// them, all else by running into it.
+    pub fn own(&self, start: Place, sources: &[LightSource], random: &mut Random) -> DVec3 {
+        let (mut place, mut throughput, mut sum) = (start, DVec3::ONE, self.emission(&start));
+        loop {
+            for source in sources {
+                sum += throughput * self.straight(&place, source);
+            }
+            let l = Self::direction(&place, random);
+            throughput *= self.scatters(&place, l) * std::f64::consts::TAU;
+            let Some(next) = self.follow(&place, l) else {
+                let met: Vec3 = sources.iter().map(|s| s.radiance(l.as_vec3())).sum();
+                return sum + throughput * met.as_dvec3();
+            };
+            place = next;
+            sum += throughput * self.emission(&place);
+            if random.next() > SURVIVAL {
+                return sum;
+            }
+            throughput /= SURVIVAL;
+        }
+    }
+
+    /// Light straight from a point.
+    fn straight(&self, place: &Place, source: &LightSource) -> DVec3 {
+        let Some(light) = source.position() else {
+            return DVec3::ZERO;
+        };
+        let to = light.as_dvec3() - place.position;
+        let toward = to.normalize();
+        let blocker = self.closest(place.position + place.normal * 1e-6, toward);
+        if place.normal.dot(toward) <= 0.0 || blocker.is_some_and(|(_, t)| t < to.length()) {
+            return DVec3::ZERO;
+        }
+        let intensity = source.intensity_toward(-toward.as_vec3()).as_dvec3();
+        intensity * self.scatters(place, toward) / to.length_squared()
     }
 }
 

@@ -1,0 +1,146 @@
+//! Lights that shine together, and the choice among them.
+
+use crate::lamps::{emission, emitting_triangles};
+use glam::Vec3;
+use rrf_lights::{Arrival, EmittingTriangles, LightSource};
+use rrf_sampling::warp::{by_weight, by_weight_probability};
+use rrf_scene::{AreaLight, Scene};
+
+/// Lights that shine on a scene together: surfaces that emit, points, and lights from afar.
+///
+/// A path asks each of the three groups on its own, so that a sky does not take the rays of a
+/// lamp. Within a group lights are chosen by their power.
+#[derive(Clone, Debug, Default)]
+pub struct LightSet {
+    /// One for each area light of the scene; black where it does not shine.
+    pub(crate) areas: Vec<AreaLight>,
+    pub(crate) triangles: EmittingTriangles,
+    pub(crate) points: LightGroup,
+    pub(crate) far: LightGroup,
+}
+
+impl LightSet {
+    /// `areas` are the scene's area lights, dimmed or not; `area_cdf` is the cumulative area of
+    /// its triangles. Lights without power are left out.
+    pub(crate) fn new(
+        scene: &Scene,
+        area_cdf: &[f64],
+        areas: Vec<AreaLight>,
+        sources: impl IntoIterator<Item = LightSource>,
+    ) -> LightSet {
+        let (points, far) = sources
+            .into_iter()
+            .partition(|source: &LightSource| source.position().is_some());
+        LightSet {
+            triangles: emitting_triangles(scene, area_cdf, &areas),
+            areas,
+            points: LightGroup::new(points),
+            far: LightGroup::new(far),
+        }
+    }
+
+    /// Whether nothing shines.
+    pub fn is_dark(&self) -> bool {
+        self.triangles.is_empty() && self.points.is_empty() && self.far.is_empty()
+    }
+
+    /// Radiance [W/(sr m²)] that a ray meets that leaves the scene in direction `toward`.
+    pub fn radiance_from_afar(&self, toward: Vec3) -> Vec3 {
+        self.far.sources.iter().map(|s| s.radiance(toward)).sum()
+    }
+
+    /// Radiance [W/(sr m²)] that a triangle emits toward `v`; `outward` is its geometric normal.
+    #[inline]
+    pub(crate) fn emission(&self, scene: &Scene, triangle: u32, outward: Vec3, v: Vec3) -> Vec3 {
+        emission(scene, &self.areas, triangle, outward, v)
+    }
+}
+
+/// Lights that are chosen by their power.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LightGroup {
+    sources: Vec<LightSource>,
+    /// Cumulative power, channels together, up to a common factor.
+    cdf: Vec<f64>,
+    /// Those that a ray can meet, with the probability of their choice.
+    visible: Vec<(u32, f32)>,
+}
+
+impl LightGroup {
+    fn new(sources: Vec<LightSource>) -> LightGroup {
+        let mut group = LightGroup::default();
+        let mut total = 0.0;
+        for source in sources {
+            // all lights from afar shine through a sphere of any one radius
+            let power = f64::from(source.power(1.0).element_sum());
+            if power > 0.0 {
+                total += power;
+                group.cdf.push(total);
+                group.sources.push(source);
+            }
+        }
+        for (k, source) in (0u32..).zip(&group.sources) {
+            if source.is_visible() {
+                let probability = by_weight_probability(&group.cdf, k as usize);
+                group.visible.push((k, probability as f32));
+            }
+        }
+        group
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.sources.is_empty()
+    }
+
+    pub(crate) fn source(&self, index: u32) -> Option<&LightSource> {
+        self.sources.get(index as usize)
+    }
+
+    /// A light by a number in [0, 1): which one, and the probability.
+    pub(crate) fn choose(&self, u: f32) -> (u32, f32) {
+        let index = by_weight(&self.cdf, u);
+        let probability = by_weight_probability(&self.cdf, index) as f32;
+        (index as u32, probability)
+    }
+
+    /// Light that arrives at `at` from one of them, by three numbers in [0, 1): its irradiance is
+    /// over the probability of the choice, its density times it.
+    pub(crate) fn sample(&self, at: Vec3, u: [f32; 3]) -> Option<Arrival> {
+        let (index, probability) = self.choose(u[0]);
+        let arrival = self.source(index)?.sample(at, [u[1], u[2]])?;
+        Some(Arrival {
+            irradiance: arrival.irradiance / probability,
+            density: arrival.density.map(|density| density * probability),
+            ..arrival
+        })
+    }
+
+    /// Radiance [W/(sr m²)] from direction `toward`, each light's by the balance heuristic of a
+    /// direction of density `density` against [`LightGroup::sample`] at `at`.
+    pub(crate) fn met(&self, at: Vec3, toward: Vec3, density: f32) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        for &(index, probability) in &self.visible {
+            if let Some(source) = self.source(index) {
+                sum += shared(source, at, toward, density, probability);
+            }
+        }
+        sum
+    }
+}
+
+/// Radiance of a light from direction `toward` by the balance heuristic of a direction of density
+/// `density` against the light's own sampler, chosen with `probability`.
+pub(crate) fn shared(
+    source: &LightSource,
+    at: Vec3,
+    toward: Vec3,
+    density: f32,
+    probability: f32,
+) -> Vec3 {
+    let radiance = source.radiance(toward);
+    if radiance == Vec3::ZERO {
+        return radiance;
+    }
+    let other = probability * source.density(at, toward);
+    radiance * (density / (density + other))
+}

@@ -1,0 +1,169 @@
+//! Light of a scene's own lights, and of suns.
+
+use crate::TraceError;
+use crate::estimates::{Estimates, Sampling};
+use crate::indirect::{Estimator, Queries};
+use crate::light_set::LightSet;
+use crate::surface::SurfacePoint;
+use crate::tracer::Tracer;
+use crate::wave::{KEEP, Part, Row, Source, estimate};
+use glam::Vec3;
+use rrf_lights::{AreaLight, LightSource};
+use rrf_sampling::Stream;
+
+/// How often light was reflected before it reached the viewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reflections {
+    /// Once: direct light. What a point itself emits is not in it ([`Tracer::emission`]).
+    One,
+    /// Twice or more: indirect light.
+    More,
+}
+
+/// Which light is wanted.
+#[derive(Clone, Copy, Debug)]
+pub struct Illumination<'a> {
+    /// The lights that shine, of [`Tracer::light_set`].
+    pub lights: &'a LightSet,
+    /// Which part of their light.
+    pub reflections: Reflections,
+    /// How paths to points of light are made; all others are found by next-event estimation and
+    /// by the path's own directions, weighted by the balance heuristic.
+    pub estimator: Estimator,
+}
+
+impl Tracer<'_> {
+    /// Lights that shine together: the scene's area lights times `dims`, one colour for each of
+    /// them (none: as in the scene), and `sources`.
+    ///
+    /// # Errors
+    /// If there are neither no dims nor as many as area lights.
+    pub fn light_set(
+        &self,
+        dims: Option<&[Vec3]>,
+        sources: impl IntoIterator<Item = LightSource>,
+    ) -> Result<LightSet, TraceError> {
+        let mut areas: Vec<AreaLight> = self.scene.area_lights.clone();
+        if let Some(dims) = dims {
+            if dims.len() != areas.len() {
+                return Err(TraceError::Queries {
+                    column: "dims",
+                    found: dims.len(),
+                    reference: "area lights",
+                    expected: areas.len(),
+                });
+            }
+            for (light, dim) in areas.iter_mut().zip(dims) {
+                light.radiance *= *dim;
+            }
+        }
+        Ok(LightSet::new(self.scene, &self.area_cdf, areas, sources))
+    }
+
+    /// Radiance [W/(sr m²)] that the surface emits at a point toward `v` when `lights` shine.
+    pub fn emission_of(&self, lights: &LightSet, point: &SurfacePoint, v: Vec3) -> Vec3 {
+        lights.emission(self.scene, point.triangle, point.normal, v)
+    }
+}
+
+/// Estimates the radiance [W/(sr m^2)] that points send to their viewers under `illumination`, by
+/// unit directions `viewers` (world frame). Point i draws its numbers at index `first_index + i`
+/// of `stream`.
+///
+/// Triangles that emit are found by choosing a point on them by power, the sky by its map, the
+/// sun by its disk, and all of them by the path's own directions, weighted by the balance
+/// heuristic. Points of light go by [`Estimator`].
+pub fn own_light(
+    tracer: &Tracer,
+    illumination: Illumination,
+    points: &[SurfacePoint],
+    viewers: &[Vec3],
+    sampling: Sampling,
+    stream: Stream,
+    first_index: u64,
+) -> Result<Estimates, TraceError> {
+    let lights = vec![Vec3::ZERO; points.len()];
+    let queries = Queries {
+        points,
+        viewers,
+        lights: &lights,
+    };
+    let direct = illumination.reflections == Reflections::One;
+    let part = Part {
+        tracer,
+        source: Source::Set {
+            set: illumination.lights,
+            connect: !direct && illumination.estimator == Estimator::Connected,
+        },
+        direct,
+        keep: KEEP,
+        stream,
+    };
+    traced(&part, queries, sampling, first_index)
+}
+
+/// Estimates the light of the scene's emitting triangles alone: [`own_light`] without any other.
+/// Zero without lamps.
+pub fn lamp_light(
+    tracer: &Tracer,
+    points: &[SurfacePoint],
+    viewers: &[Vec3],
+    reflections: Reflections,
+    sampling: Sampling,
+    stream: Stream,
+    first_index: u64,
+) -> Result<Estimates, TraceError> {
+    let illumination = Illumination {
+        lights: &tracer.lamps,
+        reflections,
+        estimator: Estimator::default(),
+    };
+    own_light(
+        tracer,
+        illumination,
+        points,
+        viewers,
+        sampling,
+        stream,
+        first_index,
+    )
+}
+
+/// Estimates the indirect radiance [W/(sr m^2)] of every query for a sun of 1 W/m² a channel on a
+/// plane that faces it, as wide as seen from the earth: `lights` are unit directions toward it.
+pub fn sun_light(
+    tracer: &Tracer,
+    queries: Queries,
+    sampling: Sampling,
+    stream: Stream,
+    first_index: u64,
+) -> Result<Estimates, TraceError> {
+    let part = Part {
+        tracer,
+        source: Source::Sun,
+        direct: false,
+        keep: KEEP,
+        stream,
+    };
+    traced(&part, queries, sampling, first_index)
+}
+
+fn traced(
+    part: &Part,
+    queries: Queries,
+    sampling: Sampling,
+    first_index: u64,
+) -> Result<Estimates, TraceError> {
+    queries.check()?;
+    let each = sampling.each()?;
+    let rows: Vec<Row> = queries.rows(sampling.replicates, first_index);
+    let values = if part.source.is_dark() {
+        vec![Vec3::ZERO; rows.len()]
+    } else {
+        estimate(part, &rows, each)
+    };
+    Ok(Estimates {
+        replicates: sampling.replicates as usize,
+        values,
+    })
+}
