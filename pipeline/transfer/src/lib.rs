@@ -36,4 +36,7 @@ pub use lights::{
 };
 pub use patches::{PatchConfig, PatchPoint, Patches, SizeField};
 pub use rows::{RowConfig, RowPoint, TransferRows, trace_rows};
-pub use sources::{ConditionPlan, FlatMirrors, Lamp, LightConditions, Mirrored, SourceLight};
+pub use sources::{
+    ConditionPlan, FlatMirrors, Lamp, LightConditions, Mirrored, SourceLight, finer_near_lamps,
+    named_light,
+};

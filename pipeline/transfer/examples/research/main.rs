@@ -4,7 +4,8 @@
 //! cargo run --release -p rrf-transfer --example research -- SETUP [SCENE] MODE
 //! ```
 //!
-//! SETUP: `salon PATH`, `overhead`, `free`, `free15`. Results: `docs/transfer.md`.
+//! SETUP: `salon PATH`, `overhead`, `free`, `free15`. `oracle=TABLE.csv`: raw rows against a table.
+//! Results: `docs/transfer.md`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -12,6 +13,7 @@ mod cell;
 mod clock;
 mod local;
 mod net;
+mod oracle;
 mod raw;
 mod regress;
 mod setup;
@@ -20,7 +22,7 @@ mod tree;
 mod truth;
 
 use rrf_trace::Tracer;
-use setup::{Places, Setup};
+use setup::{Places, Setup, load_whole};
 use truth::Truth;
 
 fn main() {
@@ -35,6 +37,19 @@ fn main() {
             .find_map(|w| w.strip_prefix(&format!("{key}=")));
         found.map_or(otherwise, |v| v.parse().expect("a number"))
     };
+    if let Some(table) = words.iter().find_map(|w| w.strip_prefix("oracle=")) {
+        let scene = load_whole(path.map(String::as_str));
+        let tracer = Tracer::new(&scene).expect("a scene that can be traced");
+        let plan = oracle::Plan {
+            patches: number("patches", 2_000),
+            paths: number("paths", 2_048) as u32,
+            samples: number("samples", 8) as u32,
+            directions: number("directions", 4) as u32,
+            gloss: number("gloss", 30) as f32 / 100.0,
+            finer: words.iter().any(|w| w == "finer"),
+        };
+        return oracle::run(&tracer, table, &plan);
+    }
     let places = Places::new(&setup, &tracer);
     let (points, lights) = (number("points", 240), number("lights", 24));
     let file = std::env::temp_dir().join(format!("transfer-{name}-{points}-{lights}.truth"));

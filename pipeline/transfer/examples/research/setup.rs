@@ -21,12 +21,7 @@ pub struct Setup {
 impl Setup {
     /// `salon PATH`, `overhead`, `free` or `free15` (at least 0.15 m from surfaces).
     pub fn new(name: &str, path: Option<&str>) -> Setup {
-        let cornell = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../scenes/cornell-box/scene.pbrt"
-        );
-        let scene = load(path.unwrap_or(cornell).as_ref(), &LoadOptions::default());
-        let scene = scene.expect("a scene file").unlit();
+        let scene = load_whole(path).unlit();
         let b = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
         let (lights, eyes, clearance, seen) = match name {
             "salon" => {
@@ -56,6 +51,15 @@ impl Setup {
             seen,
         }
     }
+}
+
+/// The scene with its own lights.
+pub fn load_whole(path: Option<&str>) -> Scene {
+    let cornell = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../scenes/cornell-box/scene.pbrt"
+    );
+    load(path.unwrap_or(cornell).as_ref(), &LoadOptions::default()).expect("a scene file")
 }
 
 /// Draws points and lights.

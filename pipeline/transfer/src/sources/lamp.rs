@@ -17,6 +17,36 @@ const SAMPLES: u32 = 4;
 /// Shadow rays end this share of their length before the lamp.
 const SHORT: f32 = 2e-4;
 
+/// A patch is at most this share of its distance to a lamp.
+const SHARE_OF_DISTANCE: f32 = 0.5;
+/// Distance below which a lamp asks for no finer patches, relative to `edge`.
+const NEAREST: f32 = 0.25;
+
+/// A size field for patches whose common edge is `edge` \[m\]: finer where lamps of the scene are near, whose
+/// light falls steeply there.
+pub fn finer_near_lamps(scene: &Scene, edge: f32) -> impl Fn(Vec3) -> f32 + Sync + use<> {
+    let mut places = Vec::new();
+    for (corners, &light) in scene.triangles.iter().zip(&scene.triangle_light) {
+        if scene.area_lights.get(light as usize).is_some() {
+            let [a, b, c] = corners.map(|v| scene.positions[v as usize]);
+            places.extend([
+                (a + b + c) / 3.0,
+                a,
+                b,
+                c,
+                (a + b) / 2.0,
+                (b + c) / 2.0,
+                (c + a) / 2.0,
+            ]);
+        }
+    }
+    move |at: Vec3| {
+        let nearest = places.iter().map(|p| p.distance_squared(at));
+        let distance = nearest.fold(f32::INFINITY, f32::min).sqrt();
+        (SHARE_OF_DISTANCE * distance / edge).clamp(NEAREST, 1.0)
+    }
+}
+
 /// A group of triangles that shine.
 pub struct Lamp {
     triangles: Vec<Shining>,

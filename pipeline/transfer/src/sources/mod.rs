@@ -4,10 +4,12 @@ mod conditions;
 mod lamp;
 mod mirrors;
 mod numbers;
+mod own;
 mod source;
 mod triangle;
 
 pub use conditions::{ConditionPlan, LightConditions};
-pub use lamp::Lamp;
+pub use lamp::{Lamp, finer_near_lamps};
 pub use mirrors::{FlatMirrors, Mirrored};
+pub use own::named_light;
 pub use source::SourceLight;

@@ -10,6 +10,7 @@ use rrf_scene::{INVALID, Material, Scene};
 use rrf_trace::Tracer;
 use rrf_transfer::{
     DirectLight, FlatMirrors, Lamp, PatchConfig, Patches, Receivers, RowPoint, SourceLight,
+    finer_near_lamps, named_light,
 };
 use std::f32::consts::PI;
 
@@ -328,4 +329,28 @@ fn linear_and_the_same_on_any_number_of_threads() {
             .unwrap();
         assert_eq!(pool.install(|| receivers.irradiance(&lights)), all);
     }
+}
+
+/// An own light by its name; patches are finer where a lamp is near.
+#[test]
+fn own_lights_by_name() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../scenes/cornell-box/scene.pbrt"
+    );
+    let scene = rrf_scene::load(path.as_ref(), &rrf_scene::LoadOptions::default()).unwrap();
+    let stream = Stream::new(5, Stage::Test, 0);
+    for name in scene.own_light_names() {
+        assert!(named_light(&scene, name, stream).is_some(), "{name}");
+    }
+    assert!(named_light(&scene, "moon", stream).is_none());
+    let finer = finer_near_lamps(&scene, 0.2);
+    assert_eq!(finer(Vec3::new(0.0, 0.0, 0.0)), 1.0);
+    assert_eq!(finer(Vec3::new(0.0, 1.98, 0.0)), 0.25);
+    let even = patches(&scene, 300).len();
+    let config = PatchConfig {
+        count: 300,
+        ..PatchConfig::default()
+    };
+    assert!(Patches::new(&scene, &config, &finer).unwrap().len() > even);
 }
