@@ -31,6 +31,16 @@ pub enum RenderError {
         /// The channels that it has.
         found: String,
     },
+    /// An OpenEXR file without the part asked for.
+    #[error("{path}: has no part {wanted:?}; it has {found}", path = path.display())]
+    Part {
+        /// The file.
+        path: PathBuf,
+        /// The part that is missing.
+        wanted: String,
+        /// The parts that it has.
+        found: String,
+    },
     /// A picture without pixels, or with more than a 32-bit pixel id can name.
     #[error("a picture of {width}x{height} pixels cannot be made; give both sides from 1 to 65535")]
     Size {

@@ -4,15 +4,21 @@ use crate::validate::validate;
 use crate::{LoadOptions, Scene, SceneError, gltf, obj, pbrt};
 use std::path::Path;
 
-/// Reads a scene file; the ending chooses the format: `.pbrt`, `.gltf`, `.glb`, `.obj`.
+/// Reads a scene file; the ending chooses the format: `.pbrt`, `.gltf`, `.glb`, `.obj`,
+/// or one of them with `.gz`.
 ///
 /// Approximations and omissions are in [`Scene::warnings`]; what cannot be understood
 /// is an error with its place. The scene returned is sound: columns of equal length, ids in
 /// range, finite numbers, at least one triangle, none without area.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
-    let ending = path
-        .extension()
-        .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    let ending = |path: &Path| {
+        path.extension()
+            .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+    };
+    let ending = match ending(path).as_deref() {
+        Some("gz") => ending(&path.with_extension("")),
+        other => other.map(str::to_owned),
+    };
     let scene = match ending.as_deref() {
         Some("pbrt") => pbrt::read(path, options),
         Some("gltf" | "glb") => gltf::read(path, options),

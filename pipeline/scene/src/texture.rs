@@ -57,19 +57,9 @@ impl<K: Hash + Eq> TextureTable<K> {
         self.ids.get(&(key, encoding)).copied()
     }
 
-    /// Decodes a PNG or JPEG file's bytes as picture `key`; the error is a message.
+    /// Decodes a picture file's bytes as picture `key`, with every texel mapped; `format` is
+    /// what the file's name tells, where its bytes do not. The error is a message.
     pub(crate) fn insert(
-        &mut self,
-        key: K,
-        encoding: Encoding,
-        bytes: &[u8],
-    ) -> Result<u32, String> {
-        self.insert_as(key, encoding, bytes, None, |texel| texel)
-    }
-
-    /// [`TextureTable::insert`] where the file's name tells its format if its bytes do not, with
-    /// every texel mapped.
-    pub(crate) fn insert_as(
         &mut self,
         key: K,
         encoding: Encoding,
@@ -115,8 +105,13 @@ impl<K: Hash + Eq> TextureTable<K> {
     }
 
     /// The mean over a picture that no surface looks up, linear RGB; the error is a message.
-    pub(crate) fn mean(&self, encoding: Encoding, bytes: &[u8]) -> Result<Vec3, String> {
-        Ok(decode(bytes, encoding, None, MAX_TEXELS - self.texels)?
+    pub(crate) fn mean(
+        &self,
+        encoding: Encoding,
+        bytes: &[u8],
+        format: Option<ImageFormat>,
+    ) -> Result<Vec3, String> {
+        Ok(decode(bytes, encoding, format, MAX_TEXELS - self.texels)?
             .mean()
             .as_vec3())
     }
@@ -133,6 +128,11 @@ pub(crate) fn linear_picture(path: &Path) -> Result<Texture, String> {
     let bytes = crate::file::read(path).map_err(|error| error.to_string())?;
     let format = ImageFormat::from_path(path).ok();
     decode(&bytes, Encoding::Natural, format, MAX_TEXELS)
+}
+
+/// The format that a file's name tells: the bytes of a TGA do not.
+pub(crate) fn format_of(path: &Path) -> Option<ImageFormat> {
+    ImageFormat::from_path(path).ok()
 }
 
 fn decode(
@@ -155,7 +155,10 @@ fn decode(
             .map_err(|error| error.to_string())
     };
     let unreadable = |error| {
-        format!("picture cannot be decoded: {error} (read here: PNG, JPEG, TGA, OpenEXR, HDR, PFM)")
+        format!(
+            "picture cannot be decoded: {error} (read here: PNG, JPEG, TGA, BMP, WebP, OpenEXR, \
+             HDR, PFM)"
+        )
     };
     let (width, height) = open()?.into_dimensions().map_err(unreadable)?;
     let texels = u64::from(width) * u64::from(height);
@@ -323,8 +326,12 @@ mod tests {
     fn a_picture_is_decoded_once_a_use() {
         let bytes = png(image::GrayImage::new(2, 2));
         let mut table = TextureTable::new();
-        let colour = table.insert(0, Encoding::Srgb, &bytes).unwrap();
-        let number = table.insert(0, Encoding::Linear, &bytes).unwrap();
+        let colour = table
+            .insert(0, Encoding::Srgb, &bytes, None, |t| t)
+            .unwrap();
+        let number = table
+            .insert(0, Encoding::Linear, &bytes, None, |t| t)
+            .unwrap();
         assert_ne!(colour, number);
         assert_eq!(table.get(0, Encoding::Srgb), Some(colour));
         assert_eq!(table.get(0, Encoding::Normal(0)), None);

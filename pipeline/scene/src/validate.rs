@@ -15,6 +15,7 @@ pub(crate) fn validate(mut scene: Scene) -> Result<Scene, SceneError> {
     check_columns(&scene)?;
     check_triangles(&scene)?;
     check_vertices(&scene)?;
+    check_origin(&mut scene)?;
     check_lights(&scene)?;
     check_cameras(&scene)?;
     sanitize(&mut scene)?;
@@ -157,6 +158,35 @@ fn check_vertices(scene: &Scene) -> Result<(), SceneError> {
         uv.copied().unwrap_or(Vec2::NAN)
     );
     refuse(scene, place, message)
+}
+
+/// Refuses a scene so far from the origin that single precision loses its shape, and warns
+/// of one that loses details.
+fn check_origin(scene: &mut Scene) -> Result<(), SceneError> {
+    // Steps of a coordinate in a scene's greatest extent: fewer leave no shape, or no details.
+    const FEWEST: f32 = 2e3;
+    const FEW: f32 = 5e4;
+    let used = || {
+        let ids = scene.triangles.iter().flatten();
+        ids.filter_map(|&id| scene.positions.get(id as usize))
+    };
+    let low = used().fold(Vec3::MAX, |low, &p| low.min(p));
+    let high = used().fold(Vec3::MIN, |high, &p| high.max(p));
+    let extent = (high - low).max_element();
+    let distance = low.abs().max(high.abs()).max_element();
+    let step = distance * f32::EPSILON;
+    if !(extent > 0.0) || step * FEW <= extent {
+        return Ok(());
+    }
+    let message = format!(
+        "it is {extent} wide and lies {distance} from the origin, where single precision has \
+         steps of {step:.1e}; move it to the origin"
+    );
+    if step * FEWEST > extent {
+        return refuse(scene, "the scene", message);
+    }
+    scene.warn(format!("the scene loses details: {message}"));
+    Ok(())
 }
 
 fn check_lights(scene: &Scene) -> Result<(), SceneError> {

@@ -3,7 +3,7 @@
 use clap::Args;
 use rrf_metrics::compare;
 use rrf_metrics::tone::Exposure;
-use rrf_render::exr;
+use rrf_render::exr::{self, Selection};
 use std::path::PathBuf;
 
 /// Compare two EXR frames: relMSE, relative error, ΔE*ab, ΔE2000, FLIP.
@@ -16,6 +16,10 @@ pub struct CompareArgs {
     /// Layer to compare (full, direct, indirect).
     #[arg(long, default_value = "full")]
     pub layer: String,
+    /// Part of files that have several, by name or number from 0; by default the first with
+    /// the layer.
+    #[arg(long)]
+    pub part: Option<String>,
     /// Exposure in stops for the colour differences; by default chosen from the reference.
     #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
     pub exposure: Option<f32>,
@@ -32,8 +36,10 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
     } else {
         &args.layer
     };
-    let test = exr::read_exr_layer(&args.a, layer)?;
-    let reference = exr::read_exr_layer(&args.b, layer)?;
+    let part = args.part.as_deref();
+    let selection = Selection { layer, part };
+    let test = exr::read_exr_part(&args.a, selection)?;
+    let reference = exr::read_exr_part(&args.b, selection)?;
     let comparison = compare(&reference, &test, args.exposure.map(|ev| Exposure { ev }))?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&comparison)?);

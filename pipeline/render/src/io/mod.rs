@@ -2,5 +2,6 @@
 
 pub mod camera_path;
 pub mod exr;
+mod exr_file;
 pub mod png;
 mod replace;

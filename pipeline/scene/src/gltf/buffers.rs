@@ -1,7 +1,7 @@
 //! Binary data: the `.glb`'s chunk, `data:` URIs, files beside the scene.
 
 use super::document::{Chunk, content, place};
-use crate::SceneError;
+use crate::{SceneError, resolve};
 use ::gltf::buffer;
 use ::gltf::json::Root;
 use std::borrow::Cow;
@@ -64,16 +64,24 @@ pub(super) fn read_uri(
             .map(|data| data.0)
             .map_err(|error| content(path, place(), format!("data URI: {error}")));
     }
-    crate::file::read_bytes(&beside(path, uri, place)?)
+    crate::file::read_bytes(&file_of(path, uri, place)?)
 }
 
-/// The file that a relative URI names.
-fn beside(path: &Path, uri: &str, place: impl Fn() -> String) -> Result<PathBuf, SceneError> {
-    if uri.contains(':') {
-        let message = format!("{uri:?}: only data: and relative file URIs are read here");
+/// The file that a URI names. A blank is `%20` there, but some exporters write names as they
+/// are, whatever signs are in them.
+fn file_of(path: &Path, uri: &str, place: impl Fn() -> String) -> Result<PathBuf, SceneError> {
+    if uri.contains("://") {
+        let message = format!("{uri:?}: only data: URIs and files are read here");
         return Err(content(path, place(), message));
     }
+    let folder = path.parent().unwrap_or(Path::new(""));
     let name = urlencoding::decode(uri)
         .map_err(|error| content(path, place(), format!("uri {uri:?}: {error}")))?;
-    Ok(path.parent().unwrap_or(Path::new("")).join(name.as_ref()))
+    let decoded = resolve::find(&[folder], &name).path;
+    let raw = resolve::find(&[folder], uri).path;
+    Ok(if !decoded.is_file() && raw.is_file() {
+        raw
+    } else {
+        decoded
+    })
 }

@@ -10,8 +10,9 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// Extensions that are read here.
-pub(super) const EXTENSIONS: [&str; 7] = [
+pub(super) const EXTENSIONS: [&str; 8] = [
     "EXT_lights_ies",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -73,7 +74,8 @@ pub(super) type Chunk<'a> = Option<Cow<'a, [u8]>>;
 /// The JSON part, checked, and the binary chunk.
 pub(super) fn parse<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Root, Chunk<'a>), SceneError> {
     let (json, chunk) = split(path, bytes)?;
-    let root = Root::from_slice(&json).map_err(|error| SceneError::Syntax {
+    let json = crate::file::text(&json);
+    let root = Root::from_str(&json).map_err(|error| SceneError::Syntax {
         path: path.to_path_buf(),
         line: error.line() as u32,
         // 0 at the end of an empty text.
@@ -119,7 +121,34 @@ fn check_version(path: &Path, root: &Root) -> Result<(), SceneError> {
     Err(content(path, "asset", message))
 }
 
+/// Extensions that compress what a reader needs, with what they do and the remedy. They
+/// are refused even where a file lists them as used only: without them, nothing is there.
+const COMPRESSIONS: [(&str, &str); 3] = [
+    (
+        "KHR_draco_mesh_compression",
+        "Draco's compression of meshes is not read here; export without it, or unpack the file \
+         with `gltf-transform copy IN.glb OUT.glb`",
+    ),
+    (
+        "EXT_meshopt_compression",
+        "meshopt's compression is not read here; export without it, or unpack the file with \
+         `gltf-transform copy IN.glb OUT.glb`",
+    ),
+    (
+        "KHR_texture_basisu",
+        "KTX2 pictures are not read here; export with PNG, JPEG or WebP pictures, or unpack \
+         them with `gltf-transform ktxdecompress IN.glb OUT.glb`",
+    ),
+];
+
 fn check_extensions(path: &Path, root: &Root) -> Result<(), SceneError> {
+    let is_needed = |name: &str| {
+        let all = root.extensions_used.iter().chain(&root.extensions_required);
+        all.into_iter().any(|used| used == name) && !has_fallback(root, name)
+    };
+    if let Some((name, remedy)) = COMPRESSIONS.iter().find(|(name, _)| is_needed(name)) {
+        return Err(content(path, *name, *remedy));
+    }
     let unknown: Vec<&str> = root
         .extensions_required
         .iter()
@@ -135,6 +164,29 @@ fn check_extensions(path: &Path, root: &Root) -> Result<(), SceneError> {
         EXTENSIONS.join(", ")
     );
     Err(content(path, "extensionsRequired", message))
+}
+
+/// Whether a file that only uses a compression has its content without it too.
+fn has_fallback(root: &Root, name: &str) -> bool {
+    if root
+        .extensions_required
+        .iter()
+        .any(|required| required == name)
+    {
+        return false;
+    }
+    match name {
+        "KHR_draco_mesh_compression" => root
+            .accessors
+            .iter()
+            .all(|accessor| accessor.buffer_view.is_some() || accessor.sparse.is_some()),
+        "EXT_meshopt_compression" => root
+            .buffers
+            .iter()
+            .enumerate()
+            .all(|(index, buffer)| buffer.uri.is_some() || index == 0),
+        _ => (root.textures.iter()).all(|texture| texture.source.value() < root.images.len()),
+    }
 }
 
 /// The crate's validation, without what it asks for and no reader needs.

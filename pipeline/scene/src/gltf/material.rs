@@ -92,6 +92,10 @@ impl<'a> Materials<'a> {
             let place = format!("{} primitives", self.without);
             output.warnings.add(place, message);
         }
+        let lost = &self.pictures.lost;
+        if let Some(lost) = lost.warning(self.document.path, self.default_albedo) {
+            output.warnings.add(lost.place, lost.message);
+        }
         output.scene.materials = self.materials;
         output.scene.textures = self.pictures.into_textures();
     }
@@ -133,12 +137,19 @@ impl<'a> Materials<'a> {
         let specular = specular(self.document, place, source, warnings)?;
         let name = source.name.clone().unwrap_or_else(|| place.clone());
         let (roughness, metallic) = (pbr.roughness_factor.0, pbr.metallic_factor.0);
-        let material = Material {
+        let mut material = Material {
             base_texture: pictures.texture(base, Encoding::Srgb, place)?,
             roughness_metallic_texture: pictures.texture(mixed, Encoding::Linear, place)?,
             normal_texture: pictures.texture(normal, Encoding::Normal(scale.to_bits()), place)?,
             ..Material::principled(name, Vec3::new(r, g, b), roughness, metallic, specular)
         };
+        if base.is_some() && material.base_texture == INVALID {
+            material.base_color *= self.default_albedo;
+        }
+        if mixed.is_some() && material.roughness_metallic_texture == INVALID {
+            // The factor is 1 where a map says which texels are metal: without it, none is.
+            material.metallic = 0.0;
+        }
         let uses: Vec<TextureUse> = [base, mixed, normal].into_iter().flatten().collect();
         let used = MaterialUse {
             id: INVALID,
@@ -157,7 +168,7 @@ impl<'a> Materials<'a> {
 
     /// Radiance [W/(sr m^2)]: emissiveFactor * emissiveStrength, a texture by its mean.
     fn radiance(
-        &self,
+        &mut self,
         source: &json::Material,
         place: &str,
         warnings: &mut Warnings,

@@ -6,6 +6,9 @@ use crate::warn::Warnings;
 use ::gltf::json::Node;
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
+/// How far the last row of a matrix may be from 0 0 0 1.
+const ROUNDING: f64 = 1e-5;
+
 /// A node of the chosen scene.
 pub(super) struct Placed<'a> {
     /// Its id in the file.
@@ -125,10 +128,12 @@ fn local(document: &Document, index: usize, node: &Node) -> Result<DAffine3, Sce
     let wrong = |message: &str| document.error(document.node_place(index), message);
     if let Some(matrix) = node.matrix {
         let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
-        if matrix.row(3) != DVec4::W || !matrix.is_finite() {
+        // Exporters round what they have computed: a last row of 0 0 0 1, but for a little.
+        let last = matrix.row(3);
+        if !matrix.is_finite() || !last.abs_diff_eq(DVec4::W, ROUNDING) {
             return Err(wrong("its matrix is not an affine transform"));
         }
-        return Ok(DAffine3::from_mat4(matrix));
+        return Ok(DAffine3::from_mat4(matrix * (1.0 / last.w)));
     }
     let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
     let translation = node.translation.map_or(DVec3::ZERO, vector);

@@ -1,9 +1,12 @@
 //! MTL materials mapped onto ours.
 
-use super::mtl::{self, Mtl};
-use super::parse::{Model, Obj};
-use crate::file::read_bytes;
-use crate::texture::{Encoding, TextureTable};
+use super::library;
+use super::model::{Model, Obj};
+use super::mtl::Mtl;
+use crate::file::read;
+use crate::lost::LostPictures;
+use crate::resolve;
+use crate::texture::{Encoding, TextureTable, format_of};
 use crate::warn::Warnings;
 use crate::{INVALID, LoadOptions, Material, Scene, SceneError};
 use glam::Vec3;
@@ -25,6 +28,8 @@ pub(super) struct MaterialUse {
 /// The file's libraries, and the materials that models use.
 pub(super) struct Materials {
     library: Vec<Mtl>,
+    folder: PathBuf,
+    lost: LostPictures,
     default_albedo: f32,
     known: HashMap<Option<usize>, MaterialUse>,
     materials: Vec<Material>,
@@ -41,26 +46,18 @@ impl Materials {
         options: &LoadOptions,
         warnings: &mut Warnings,
     ) -> Result<Self, SceneError> {
-        let mut library = Vec::new();
-        for (line, name) in &obj.libraries {
-            let file = path.parent().unwrap_or(Path::new("")).join(name);
-            match read_bytes(&file) {
-                Ok(bytes) => {
-                    let text = String::from_utf8_lossy(&bytes);
-                    library.extend(mtl::parse(&file, &text, warnings)?);
-                }
-                Err(error) => warnings.add(place(path, *line), error.to_string()),
-            }
-        }
+        let library = library::read(path, &obj.libraries, warnings)?;
         let defined: HashSet<&str> = library.iter().map(|mtl| mtl.name.as_str()).collect();
         for (line, name) in &obj.materials {
             if !defined.contains(name.as_str()) {
                 let message = format!("material {name:?} is not defined: the default serves");
-                warnings.add(place(path, *line), message);
+                warnings.add(library::place(path, *line), message);
             }
         }
         Ok(Self {
             library,
+            folder: path.parent().unwrap_or(Path::new("")).to_path_buf(),
+            lost: LostPictures::default(),
             default_albedo: options.default_albedo,
             known: HashMap::new(),
             materials: Vec::new(),
@@ -118,6 +115,9 @@ impl Materials {
 
     /// Moves everything into the scene.
     pub(super) fn finish(self, scene: &mut Scene, warnings: &mut Warnings) {
+        if let Some(lost) = self.lost.warning(&scene.source, self.default_albedo) {
+            warnings.add(lost.place, lost.message);
+        }
         if self.without > 0 {
             let message = format!(
                 "without material: Lambert, reflectance {}",
@@ -141,7 +141,15 @@ impl Materials {
         if mtl.diffuse.is_none() && mtl.diffuse_map.is_none() {
             warnings.add(&mtl.place, format!("no Kd: read as {none}"));
         }
-        let colour = mtl.diffuse.unwrap_or(Vec3::splat(none));
+        let mut colour = mtl.diffuse.unwrap_or(Vec3::splat(none));
+        if colour == Vec3::ZERO && mtl.diffuse_map.is_some() {
+            // Maya writes black beside a map, and means the map.
+            warnings.add(
+                &mtl.place,
+                "Kd is black beside map_Kd: the map alone counts",
+            );
+            colour = Vec3::ONE;
+        }
         let mut material = Material::lambert(&mtl.name, colour);
         if mtl.roughness.is_some() || mtl.metallic.is_some() {
             let index = mtl.index.unwrap_or(1.5);
@@ -153,13 +161,16 @@ impl Materials {
             material.specular = ratio * ratio / 0.08;
         }
         material.base_texture = self.texture(mtl, &mtl.diffuse_map, Encoding::Srgb, warnings);
+        if mtl.diffuse_map.is_some() && material.base_texture == INVALID {
+            material.base_color *= self.default_albedo;
+        }
         let normal = Encoding::Normal(1.0_f32.to_bits());
         material.normal_texture = self.texture(mtl, &mtl.normal_map, normal, warnings);
         material
     }
 
     /// Ke, by the mean of map_Ke. A map without Ke stands alone.
-    fn radiance(&self, mtl: &Mtl, warnings: &mut Warnings) -> Vec3 {
+    fn radiance(&mut self, mtl: &Mtl, warnings: &mut Warnings) -> Vec3 {
         let none = if mtl.emission_map.is_some() {
             Vec3::ONE
         } else {
@@ -175,41 +186,56 @@ impl Materials {
         }
         let message = "Ke is read as radiance from the front (counter-clockwise) side";
         warnings.add(&mtl.place, message);
-        if let Some(file) = &mtl.emission_map {
-            let mean = read_bytes(file)
+        if let Some(name) = &mtl.emission_map {
+            let file = self.picture(mtl, name, warnings);
+            let mean = read(&file)
                 .map_err(|error| error.to_string())
-                .and_then(|bytes| self.textures.mean(Encoding::Srgb, &bytes));
+                .and_then(|bytes| self.textures.mean(Encoding::Srgb, &bytes, format_of(&file)));
             match mean {
                 Ok(mean) => {
                     warnings.add(&mtl.place, "map_Ke is replaced by its mean");
                     radiance *= mean;
                 }
-                Err(message) => warnings.add(&mtl.place, format!("map_Ke left out: {message}")),
+                Err(reason) => self.lost.add(name, reason),
             }
         }
         radiance
     }
 
-    /// The texture's id; one that cannot be read is left out with a warning.
+    /// The file that a material's map means.
+    fn picture(&self, mtl: &Mtl, name: &str, warnings: &mut Warnings) -> PathBuf {
+        let found = resolve::find(&[&mtl.folder, &self.folder], name);
+        if found.is_guess {
+            let message = format!("{name} is read from {}", found.path.display());
+            warnings.add(&mtl.place, message);
+        }
+        found.path
+    }
+
+    /// The texture's id; one that cannot be read is lost.
     fn texture(
         &mut self,
         mtl: &Mtl,
-        file: &Option<PathBuf>,
+        name: &Option<String>,
         encoding: Encoding,
         warnings: &mut Warnings,
     ) -> u32 {
-        let Some(file) = file else {
+        let Some(name) = name else {
             return INVALID;
         };
+        let file = self.picture(mtl, name, warnings);
         if let Some(id) = self.textures.get(file.clone(), encoding) {
             return id;
         }
-        let texture = read_bytes(file)
+        let texture = read(&file)
             .map_err(|error| error.to_string())
-            .and_then(|bytes| self.textures.insert(file.clone(), encoding, &bytes));
-        texture.unwrap_or_else(|message| {
-            let message = format!("texture {} left out: {message}", file.display());
-            warnings.add(&mtl.place, message);
+            .and_then(|bytes| {
+                let key = file.clone();
+                self.textures
+                    .insert(key, encoding, &bytes, format_of(&file), |texel| texel)
+            });
+        texture.unwrap_or_else(|reason| {
+            self.lost.add(name, reason);
             INVALID
         })
     }
@@ -239,15 +265,4 @@ fn note_left_out(mtl: &Mtl, warnings: &mut Warnings) {
     if mtl.opacity.is_some_and(|opacity| opacity < 1.0) {
         warnings.add(&mtl.place, "transparency is read as opaque");
     }
-    if mtl.diffuse == Some(Vec3::ZERO) && mtl.diffuse_map.is_some() {
-        warnings.add(
-            &mtl.place,
-            "Kd is black: map_Kd, which it multiplies, is not seen",
-        );
-    }
-}
-
-fn place(path: &Path, line: u32) -> String {
-    let name = path.file_name().unwrap_or(path.as_os_str());
-    format!("{}:{line}", name.to_string_lossy())
 }

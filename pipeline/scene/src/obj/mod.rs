@@ -6,8 +6,10 @@
 //! Sources: Wavefront, Advanced Visualizer manual, appendix B1 (object files); the PBR
 //! extension of MTL (Pr, Pm, norm) by Exocortex.
 
+mod library;
 mod lines;
 mod material;
+mod model;
 mod mtl;
 mod parse;
 
@@ -16,7 +18,7 @@ use crate::warn::Warnings;
 use crate::{AreaLight, INVALID, LoadOptions, Scene, SceneError};
 use glam::Vec3;
 use material::Materials;
-use parse::{Corner, Model, Obj};
+use model::{Corner, Model, Obj};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -32,7 +34,7 @@ pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Scene, SceneErr
         });
     }
     let mut warnings = Warnings::default();
-    let obj = parse::parse(path, &String::from_utf8_lossy(&bytes), &mut warnings)?;
+    let obj = parse::parse(path, &crate::file::text(&bytes), &mut warnings)?;
     let mut materials = Materials::read(path, &obj, options, &mut warnings)?;
     let mut scene = Scene {
         source: path.to_path_buf(),

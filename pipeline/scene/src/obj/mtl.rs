@@ -13,6 +13,8 @@ pub(super) struct Mtl {
     pub(super) name: String,
     /// `library.mtl:line`.
     pub(super) place: String,
+    /// The library's folder.
+    pub(super) folder: PathBuf,
     /// Kd, diffuse reflectance.
     pub(super) diffuse: Option<Vec3>,
     /// Ks, Phong reflectance.
@@ -29,12 +31,12 @@ pub(super) struct Mtl {
     pub(super) opacity: Option<f32>,
     /// illum.
     pub(super) model: Option<f32>,
-    /// map_Kd, file beside the library.
-    pub(super) diffuse_map: Option<PathBuf>,
+    /// map_Kd, as it is written.
+    pub(super) diffuse_map: Option<String>,
     /// map_Ke.
-    pub(super) emission_map: Option<PathBuf>,
+    pub(super) emission_map: Option<String>,
     /// norm.
-    pub(super) normal_map: Option<PathBuf>,
+    pub(super) normal_map: Option<String>,
 }
 
 /// Statements without influence on a path tracer, or that only go with Ks.
@@ -61,6 +63,7 @@ pub(super) fn parse(
             materials.push(Mtl {
                 name: statement.rest.into(),
                 place: statement.place(),
+                folder: path.parent().unwrap_or(Path::new("")).to_path_buf(),
                 ..Mtl::default()
             });
             continue;
@@ -134,8 +137,8 @@ impl Statement<'_> {
         number.ok_or_else(|| self.error(&format!("{word:?} is not a finite number")))
     }
 
-    /// The picture's file; options before it are left out.
-    fn file(&self, warnings: &mut Warnings) -> Option<PathBuf> {
+    /// The picture's name; options before it are left out.
+    fn file(&self, warnings: &mut Warnings) -> Option<String> {
         let mut rest = self.rest;
         while rest.starts_with('-') {
             let (option, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
@@ -159,8 +162,7 @@ impl Statement<'_> {
             warnings.add(self.place(), format!("{} names no file", self.word));
             return None;
         }
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        Some(folder.join(rest.replace('\\', "/")))
+        Some(rest.to_owned())
     }
 
     fn place(&self) -> String {
@@ -204,11 +206,9 @@ mod tests {
             (a.opacity, a.roughness, a.metallic),
             (Some(0.75), Some(0.3), Some(1.0))
         );
-        assert_eq!(
-            a.diffuse_map.as_deref(),
-            Some(Path::new("d/wood floor.png"))
-        );
-        assert_eq!(a.normal_map.as_deref(), Some(Path::new("d/sub/n.png")));
+        assert_eq!(a.folder, Path::new("d"));
+        assert_eq!(a.diffuse_map.as_deref(), Some("wood floor.png"));
+        assert_eq!(a.normal_map.as_deref(), Some(r"sub\n.png"));
         assert_eq!(materials[1].diffuse, None);
         assert_eq!(warnings.len(), 1);
         assert_eq!(warnings[0].message, "map_Kd -s left out");

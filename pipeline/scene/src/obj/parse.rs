@@ -5,9 +5,9 @@
 //! material, and wherever faces begin or end to have texture coordinates or normals.
 
 use super::lines::statements;
+use super::model::{Corner, Model, Obj};
 use crate::SceneError;
 use crate::warn::Warnings;
-use glam::{Vec2, Vec3};
 use std::path::Path;
 
 /// Free-form curves and surfaces, points, lines.
@@ -40,34 +40,11 @@ const DISPLAY: [&str; 9] = [
     "mg", "bevel", "c_interp", "d_interp", "lod", "ctech", "stech", "maplib", "usemap",
 ];
 
-/// The content of an OBJ file.
-#[derive(Default)]
-pub(super) struct Obj {
-    pub(super) positions: Vec<Vec3>,
-    pub(super) uvs: Vec<Vec2>,
-    pub(super) normals: Vec<Vec3>,
-    pub(super) models: Vec<Model>,
-    /// MTL files named, with their lines.
-    pub(super) libraries: Vec<(u32, String)>,
-    /// Materials used, with their first lines.
-    pub(super) materials: Vec<(u32, String)>,
-}
-
-/// Triangles of one object, group and material.
-#[derive(Clone, Default)]
-pub(super) struct Model {
-    pub(super) name: String,
-    pub(super) material: Option<String>,
-    /// Only a change of material parts it from the model before.
-    pub(super) continues: bool,
-    pub(super) triangles: Vec<[Corner; 3]>,
-}
-
-/// Indices of a corner's position, texture coordinate and normal, in range.
-pub(super) type Corner = [Option<u32>; 3];
-
 /// Which of texture coordinate and normal a corner has.
 type Layout = [bool; 2];
+
+/// Most corners of a face: ear clipping may take the square of their number.
+const MAX_CORNERS: usize = 1 << 14;
 
 struct Parser<'a> {
     path: &'a Path,
@@ -187,7 +164,7 @@ impl Parser<'_> {
             name,
             material,
             continues: continues && empty.is_none_or(|model| model.continues),
-            triangles: Vec::new(),
+            ..Model::default()
         });
     }
 
@@ -220,10 +197,9 @@ impl Parser<'_> {
         if rest.len() < 2 {
             return Err(self.too_few(statement, corners.len()));
         }
-        if rest.len() > 3 {
-            let message = "split as fans: right for convex polygons only";
-            self.warnings
-                .add("polygons of five or more corners", message);
+        if rest.len() >= MAX_CORNERS {
+            let message = format!("a face of more than {MAX_CORNERS} corners; divide it");
+            return Err(self.error(statement, statement, message));
         }
         let layout = layout(*first);
         if self.layout.replace(layout).is_some_and(|l| l != layout) {
@@ -232,7 +208,7 @@ impl Parser<'_> {
         }
         let fan = rest.windows(2).map(|pair| [*first, pair[0], pair[1]]);
         if let Some(model) = self.obj.models.last_mut() {
-            model.triangles.extend(fan);
+            model.add_fan(fan);
         }
         Ok(())
     }
@@ -292,6 +268,12 @@ impl Parser<'_> {
             let message = "left out: without vn the triangles' own normals are used";
             self.warnings.add("smoothing groups", message);
         }
+        let Obj {
+            positions, models, ..
+        } = &mut self.obj;
+        models
+            .iter_mut()
+            .for_each(|model| model.divide_concave(positions));
         Ok(self.obj)
     }
 

@@ -3,7 +3,7 @@
 use super::fault::{Place, Read, fault};
 use super::params::Params;
 use super::reader::{Phase, Reader};
-use super::state::{Block, Version};
+use super::state::{Block, Surface, Version};
 use super::token::{Kind, Tokens};
 use super::transform::{is_affine, look_at, rotate};
 use glam::{DMat4, DVec3};
@@ -192,7 +192,14 @@ impl Reader {
                 let (name, at) = tokens.string("a material's name")?;
                 match self.materials.get(&name) {
                     Some(&surface) => self.state.surface = surface,
-                    None => return fault(at, format!("no material \"{name}\" is known")),
+                    None => {
+                        let message = format!(
+                            "no material \"{name}\" is known: the default serves (matte, 0.5), \
+                             as in pbrt"
+                        );
+                        self.warn(at, message);
+                        self.state.surface = Surface::Default;
+                    }
                 }
             }
             "MediumInterface" => {

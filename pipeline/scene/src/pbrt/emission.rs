@@ -43,7 +43,9 @@ impl Reader {
 
     /// A picture's mean stands for the picture.
     fn linear_emission(&mut self, file: &str, place: Place) -> Read<DVec3> {
-        let id = self.linear_picture(file, place)?;
+        let Some(id) = self.linear_picture(file, place)? else {
+            return Ok(DVec3::ONE);
+        };
         self.warn(
             place,
             "a light's picture is approximated by its mean colour",

@@ -170,8 +170,8 @@ impl Reader {
             }
         }
         if let Some(file) = params.string("normalmap")? {
-            draft.normal_texture =
-                self.linear_picture(file, super::colour::place_of(params, "normalmap"))?;
+            let place = super::colour::place_of(params, "normalmap");
+            draft.normal_texture = self.linear_picture(file, place)?.unwrap_or(INVALID);
         }
         Ok(())
     }

@@ -24,6 +24,8 @@ mod mix;
 mod param;
 mod params;
 mod ply;
+mod ply_body;
+mod ply_faces;
 mod ply_header;
 mod reader;
 mod revolve;
@@ -44,9 +46,10 @@ use reader::Reader;
 use std::path::Path;
 
 /// Reads a pbrt file and all that it includes. pbrt has defaults of its own for everything
-/// that a file leaves out, so the options do not matter here.
-pub(crate) fn read(path: &Path, _options: &LoadOptions) -> Result<Scene, SceneError> {
+/// that a file leaves out; of the options only a lost picture's albedo counts here.
+pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let mut reader = Reader::new(path);
+    reader.lost_albedo = options.default_albedo;
     match reader.main_file(path) {
         Ok(()) => Ok(reader.finish()),
         Err(fault) => Err(reader.files.error(fault)),

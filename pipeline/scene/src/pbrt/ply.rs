@@ -2,11 +2,13 @@
 //!
 //! Format: G. Turk, "The PLY Polygon File Format", 1994. Read are vertex positions
 //! (`x y z`), normals (`nx ny nz`) and texture coordinates (`u v`, `s t`, `texture_u
-//! texture_v` or `texture_s texture_t`), and faces of three or four corners; all other
-//! elements and properties are passed over.
+//! texture_v` or `texture_s texture_t`), and faces; all other elements and properties are
+//! passed over.
 
 use super::mesh::Local;
-use super::ply_header::{Element, Format, Scalar, Wrong, header, wrong};
+use super::ply_body::{Body, broken};
+use super::ply_faces::Faces;
+use super::ply_header::{Element, Wrong, header, wrong};
 use crate::SceneError;
 use glam::{DVec2, DVec3};
 use std::path::Path;
@@ -22,13 +24,13 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Local, SceneError> {
 
 fn parse(bytes: &[u8]) -> Result<Local, Wrong> {
     let (format, elements, body) = header(bytes)?;
-    let mut body = Body { format, rest: body };
+    let mut body = Body::new(format, body);
     let mut vertices = Vertices::default();
-    let mut faces = Vec::new();
+    let mut faces = Faces::default();
     for element in &elements {
         match element.name.as_str() {
             "vertex" => vertices.read(element, &mut body)?,
-            "face" => read_faces(element, &mut body, &mut faces)?,
+            "face" => faces.read(element, &mut body)?,
             _ => pass_over(element, &mut body)?,
         }
     }
@@ -37,82 +39,6 @@ fn parse(bytes: &[u8]) -> Result<Local, Wrong> {
         return wrong("body", "the mesh has no faces");
     }
     Ok(local)
-}
-
-/// The bytes after the header, taken number by number.
-struct Body<'a> {
-    format: Format,
-    rest: &'a [u8],
-}
-
-impl Body<'_> {
-    /// The next number, or `None` where the file ends or has none.
-    fn number(&mut self, scalar: Scalar) -> Option<f64> {
-        if self.format == Format::Ascii {
-            return self.word()?.parse::<f64>().ok();
-        }
-        Some(match scalar {
-            Scalar::I8 => f64::from(i8::from_le_bytes(self.take()?)),
-            Scalar::U8 => f64::from(u8::from_le_bytes(self.take()?)),
-            Scalar::I16 => f64::from(i16::from_le_bytes(self.take()?)),
-            Scalar::U16 => f64::from(u16::from_le_bytes(self.take()?)),
-            Scalar::I32 => f64::from(i32::from_le_bytes(self.take()?)),
-            Scalar::U32 => f64::from(u32::from_le_bytes(self.take()?)),
-            Scalar::F32 => f64::from(f32::from_le_bytes(self.take()?)),
-            Scalar::F64 => f64::from_le_bytes(self.take()?),
-        })
-    }
-
-    /// The next `N` bytes, the lowest first.
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (taken, rest) = self.rest.split_first_chunk::<N>()?;
-        self.rest = rest;
-        let mut bytes = *taken;
-        if self.format == Format::Big {
-            bytes.reverse();
-        }
-        Some(bytes)
-    }
-
-    fn word(&mut self) -> Option<&str> {
-        let start = self
-            .rest
-            .iter()
-            .position(|byte| !byte.is_ascii_whitespace())?;
-        let text = self.rest.get(start..)?;
-        let end = text
-            .iter()
-            .position(u8::is_ascii_whitespace)
-            .unwrap_or(text.len());
-        let (word, rest) = text.split_at(end);
-        self.rest = rest;
-        std::str::from_utf8(word).ok()
-    }
-
-    /// The length of a list, then its numbers through `each`; false if the file ends.
-    fn list(&mut self, length: Scalar, scalar: Scalar, mut each: impl FnMut(f64)) -> bool {
-        let Some(length) = self.number(length).filter(|n| *n >= 0.0 && *n == n.trunc()) else {
-            return false;
-        };
-        for _ in 0..length as u64 {
-            match self.number(scalar) {
-                Some(value) => each(value),
-                None => return false,
-            }
-        }
-        true
-    }
-}
-
-/// The fault of an element whose data end or are no numbers.
-fn broken<T>(element: &Element, index: u64) -> Result<T, Wrong> {
-    wrong(
-        format!("{} {index}", element.name),
-        format!(
-            "its data end or are no numbers, of {} announced; is the file truncated?",
-            element.count
-        ),
-    )
 }
 
 /// Reads an element's data, each number given to `each` with its property's index.
@@ -218,7 +144,7 @@ impl Vertices {
             .collect()
     }
 
-    fn finish(self, faces: Vec<Face>) -> Result<Local, Wrong> {
+    fn finish(self, faces: Faces) -> Result<Local, Wrong> {
         let positions = self.triples(0);
         if positions.is_empty() {
             return wrong("header", "there are no vertices with x, y and z");
@@ -231,28 +157,7 @@ impl Vertices {
                 return wrong("header", "its vertex elements have different properties");
             }
         }
-        let mut triangles = Vec::with_capacity(faces.len());
-        for (corners, count, face) in faces {
-            let mut ids = [0; 4];
-            for (id, corner) in ids.iter_mut().zip(corners).take(count) {
-                if corner < 0 || corner >= positions.len() as i64 {
-                    return wrong(
-                        format!("face {face}"),
-                        format!(
-                            "vertex index {corner}, but there are {} vertices (0 to {})",
-                            positions.len(),
-                            positions.len() - 1
-                        ),
-                    );
-                }
-                *id = corner as u32;
-            }
-            let [a, b, c, d] = ids;
-            triangles.push([a, b, c]);
-            if count == 4 {
-                triangles.push([a, c, d]);
-            }
-        }
+        let triangles = faces.triangles(&positions)?;
         Ok(Local {
             normals,
             positions,
@@ -260,56 +165,5 @@ impl Vertices {
             triangles,
             reverse_normals: false,
         })
-    }
-}
-
-/// A face's corners, how many they are, and its index.
-type Face = ([i64; 4], usize, u64);
-
-/// Reads the faces' corners; triangles and quads only.
-fn read_faces(element: &Element, body: &mut Body<'_>, faces: &mut Vec<Face>) -> Result<(), Wrong> {
-    let wanted = element.properties.iter().position(|property| {
-        let name = property.name.as_str();
-        property.length.is_some() && matches!(name, "vertex_indices" | "vertex_index")
-    });
-    let Some(wanted) = wanted else {
-        return wrong("header", "the face element has no list vertex_indices");
-    };
-    for index in 0..element.count {
-        for (p, property) in element.properties.iter().enumerate() {
-            let (mut count, mut corners) = (0_usize, [f64::NAN; 4]);
-            let mut keep = |value: f64| {
-                if let Some(corner) = corners.get_mut(count) {
-                    *corner = value;
-                }
-                count += 1;
-            };
-            let whole = match property.length {
-                Some(length) => body.list(length, property.scalar, keep),
-                None => body.number(property.scalar).map(&mut keep).is_some(),
-            };
-            if !whole {
-                return broken(element, index);
-            }
-            if p == wanted {
-                faces.push(face(corners, count, index)?);
-            }
-        }
-    }
-    Ok(())
-}
-
-fn face(corners: [f64; 4], count: usize, index: u64) -> Result<Face, Wrong> {
-    let place = format!("face {index}");
-    if count != 3 && count != 4 {
-        return wrong(place, format!("{count} corners; only 3 and 4 are read"));
-    }
-    match corners
-        .iter()
-        .take(count)
-        .find(|corner| **corner != corner.trunc())
-    {
-        Some(corner) => wrong(place, format!("vertex index {corner} is no whole number")),
-        None => Ok((corners.map(|corner| corner as i64), count, index)),
     }
 }

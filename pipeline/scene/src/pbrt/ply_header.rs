@@ -71,7 +71,7 @@ pub(super) fn header(bytes: &[u8]) -> Result<(Format, Vec<Element>, &[u8]), Wron
         let Some(end) = rest.iter().take(4096).position(|&byte| byte == b'\n') else {
             return wrong(
                 place,
-                "the file ends before end_header; is it truncated, compressed or no PLY file?",
+                "the file ends before end_header; is it truncated or no PLY file?",
             );
         };
         let (line, after) = rest.split_at(end);
@@ -81,10 +81,7 @@ pub(super) fn header(bytes: &[u8]) -> Result<(Format, Vec<Element>, &[u8]), Wron
         match (number, words.as_slice()) {
             (1, ["ply"]) => {}
             (1, _) => {
-                return wrong(
-                    place,
-                    "a PLY file starts with the word ply; is it compressed?",
-                );
+                return wrong(place, "a PLY file starts with the word ply");
             }
             (_, ["format", name, "1.0"]) => format = Some(format_named(name, &place)?),
             (_, ["comment" | "obj_info", ..] | []) => {}

@@ -6,8 +6,9 @@ use super::params::Params;
 use super::state::{Block, Defaults, Emission, Film, Saved, State, Surface, Version};
 use super::token::Tokens;
 use super::value::{Mapping, Value};
+use crate::lost::LostPictures;
 use crate::texture::TextureTable;
-use crate::{Scene, SceneError};
+use crate::{LoadOptions, Scene, SceneError, file, resolve};
 use glam::DMat4;
 use rrf_lights::LightNames;
 use std::collections::HashMap;
@@ -52,6 +53,9 @@ pub(super) struct Reader {
     pub spectrum_textures: HashMap<String, Value>,
     /// Pictures by path and whether they are inverted.
     pub pictures: TextureTable<(PathBuf, bool)>,
+    pub lost: LostPictures,
+    /// Reflectance in place of a lost picture.
+    pub lost_albedo: f32,
     pub emissions: Vec<Emission>,
     /// Number of lights that are named by it.
     pub numbered_lights: u32,
@@ -95,6 +99,8 @@ impl Reader {
             float_textures: HashMap::new(),
             spectrum_textures: HashMap::new(),
             pictures: TextureTable::new(),
+            lost: LostPictures::default(),
+            lost_albedo: LoadOptions::default().default_albedo,
             emissions: Vec::new(),
             numbered_lights: 0,
             light_names: LightNames::default(),
@@ -188,11 +194,12 @@ impl Reader {
     }
 
     /// Follows the text of one file; returns its end.
-    fn follow(&mut self, path: &Path, file: u32, bytes: &[u8]) -> Read<Place> {
-        let text = as_text(bytes, file)?;
+    fn follow(&mut self, path: &Path, id: u32, bytes: &[u8]) -> Read<Place> {
+        let text = file::text(bytes);
+        check_text(&text, id)?;
         self.open
             .push(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()));
-        let mut tokens = Tokens::new(text, file);
+        let mut tokens = Tokens::new(&text, id);
         while self.directive(&mut tokens)? {}
         self.open.pop();
         Ok(tokens.here())
@@ -200,22 +207,19 @@ impl Reader {
 
     /// A small text file that a parameter names.
     pub fn text_file(&mut self, path: &Path) -> std::io::Result<String> {
-        String::from_utf8(self.bytes(path)?).map_err(std::io::Error::other)
+        Ok(file::text(&self.bytes(path)?).into_owned())
     }
 
     /// A regular file's content, within the limit of all text.
     pub fn bytes(&mut self, path: &Path) -> std::io::Result<Vec<u8>> {
-        let found = std::fs::metadata(path)?;
-        if !found.is_file() {
-            return Err(std::io::Error::other("not a regular file"));
-        }
-        self.text_read = self.text_read.saturating_add(found.len());
+        let bytes = file::read(path)?;
+        self.text_read = self.text_read.saturating_add(bytes.len() as u64);
         if self.text_read > MAX_TEXT {
             return Err(std::io::Error::other(
                 "all files together have more than 8 GiB of text",
             ));
         }
-        std::fs::read(path)
+        Ok(bytes)
     }
 
     /// Blocks beyond the first `before` must be closed where a file ends.
@@ -232,10 +236,18 @@ impl Reader {
         }
     }
 
-    /// A file named in the text, relative to the file of the text.
-    pub fn beside(&self, name: &str, place: Place) -> PathBuf {
+    /// A file named in the text: relative to the main file, as pbrt has it, else to the file
+    /// of the text.
+    pub fn beside(&mut self, name: &str, place: Place) -> PathBuf {
         let here = self.files.path(place.file);
-        here.parent().unwrap_or(Path::new("")).join(name)
+        let folders = [self.scene.source.as_path(), &here].map(|file| file.parent());
+        let folders = folders.map(|folder| folder.unwrap_or(Path::new("")));
+        let found = resolve::find(&folders, name);
+        if found.is_guess {
+            let message = format!("\"{name}\" is read from {}", found.path.display());
+            self.warn(place, message);
+        }
+        found.path
     }
 
     /// Saves the graphics state.
@@ -260,11 +272,14 @@ impl Reader {
         };
         if saved.block != block {
             let open = saved.block.name();
-            let line = saved.place.line;
-            return fault(
-                place,
-                format!("{name}End inside {open}Begin of line {line}"),
-            );
+            let message = format!("{name}End inside {open}Begin of line {}", saved.place.line);
+            // pbrt's version 3 has one stack for attributes and objects, and takes them crossed.
+            let is_tolerated = self.version_seen != Some(Version::V4)
+                && ![block, saved.block].contains(&Block::Transform);
+            if !is_tolerated {
+                return fault(place, message);
+            }
+            self.warn(place, format!("{message}: each ends the innermost block"));
         }
         match block {
             Block::Transform => self.state.ctm = saved.state.ctm,
@@ -291,23 +306,22 @@ impl Reader {
         self.finish_cameras();
         self.scene.textures = self.pictures.into_textures();
         self.scene.warnings = self.warnings.finish(&self.files);
+        let lost = self.lost.warning(&self.scene.source, self.lost_albedo);
+        self.scene.warnings.extend(lost);
         self.scene
     }
 }
 
-/// A file's bytes as text, or the place of the first byte that is none.
-fn as_text(bytes: &[u8], file: u32) -> Read<&str> {
-    let nul = bytes.iter().position(|&byte| byte == 0);
-    let bad = match (std::str::from_utf8(bytes), nul) {
-        (Ok(text), None) => return Ok(text),
-        (Ok(_), Some(nul)) => nul,
-        (Err(error), nul) => error.valid_up_to().min(nul.unwrap_or(usize::MAX)),
+/// Refuses what is no text at the first byte that shows it.
+fn check_text(text: &str, file: u32) -> Read<()> {
+    let Some(nul) = text.find('\0') else {
+        return Ok(());
     };
-    let good = std::str::from_utf8(bytes.get(..bad).unwrap_or_default()).unwrap_or_default();
+    let good = text.get(..nul).unwrap_or_default();
     let line = good.matches('\n').count() as u32 + 1;
     let column = good.rsplit('\n').next().unwrap_or_default().chars().count() as u32 + 1;
     fault(
         Place { file, line, column },
-        "this is not text (pbrt scenes are UTF-8 text); is it a binary or compressed file?",
+        "this is not text, as pbrt scenes are; is it a binary file?",
     )
 }

@@ -8,7 +8,7 @@ use super::reader::Reader;
 use super::state::Version;
 use super::token::Tokens;
 use super::value::{Mapping, Value};
-use crate::texture::Encoding;
+use crate::texture::{Encoding, format_of};
 use glam::{DVec2, DVec3, Vec3};
 
 impl Reader {
@@ -23,7 +23,8 @@ impl Reader {
         let (class, class_at) = tokens.string("a texture's class")?;
         let mut params = Params::read(tokens, place, format!("Texture \"{class}\""))?;
         self.add_defaults("Texture", &mut params);
-        let value = self.texture_value(&class, class_at, &params)?;
+        let is_colour = value_type != "float";
+        let value = self.texture_value(&class, class_at, &params, is_colour)?;
         match value_type.as_str() {
             "float" => self.float_textures.insert(name, value),
             "spectrum" | "color" => self.spectrum_textures.insert(name, value),
@@ -37,10 +38,16 @@ impl Reader {
         Ok(())
     }
 
-    fn texture_value(&mut self, class: &str, at: Place, params: &Params) -> Read<Value> {
+    fn texture_value(
+        &mut self,
+        class: &str,
+        at: Place,
+        params: &Params,
+        is_colour: bool,
+    ) -> Read<Value> {
         let value = match class {
             "constant" => self.value_or(params, "value", 1.0)?,
-            "imagemap" => self.imagemap(params)?,
+            "imagemap" => self.imagemap(params, is_colour)?,
             "scale" => {
                 let old = params.has("tex1") || params.has("tex2");
                 let (a, b) = if old {
@@ -104,7 +111,7 @@ impl Reader {
         );
     }
 
-    fn imagemap(&mut self, params: &Params) -> Read<Value> {
+    fn imagemap(&mut self, params: &Params, is_colour: bool) -> Read<Value> {
         params.ignore(&["filter", "maxanisotropy", "trilinear"]);
         let Some(name) = params.string("filename")? else {
             return fault(
@@ -132,8 +139,15 @@ impl Reader {
             scale: DVec2::new(value("uscale", 1.0)?, value("vscale", 1.0)?),
             offset: DVec2::new(value("udelta", 0.0)?, value("vdelta", 0.0)?),
         };
+        let mapping = params.string("mapping")?;
+        let Some(id) = id else {
+            params.ignore(&["v1", "v2"]);
+            // A number is a part of something, as opacity and roughness are: all of it.
+            let lost = if is_colour { self.lost_albedo } else { 1.0 };
+            return Ok(Value::Constant(scale * f64::from(lost)));
+        };
         let picture = Value::Picture { id, scale, map };
-        match params.string("mapping")? {
+        match mapping {
             None | Some("uv") => Ok(picture),
             Some(mapping) => {
                 params.ignore(&["v1", "v2"]);
@@ -172,24 +186,39 @@ impl Reader {
         }
     }
 
-    /// A picture that a material uses for something else than colour, linear.
-    pub fn linear_picture(&mut self, name: &str, place: Place) -> Read<u32> {
+    /// A picture that is used for something else than reflectance, linear; `None` if it is lost.
+    pub fn linear_picture(&mut self, name: &str, place: Place) -> Read<Option<u32>> {
         self.picture(name, place, Encoding::Linear, false)
     }
 
-    /// The texture of a picture file; the same file read the same way is read once.
-    fn picture(&mut self, name: &str, place: Place, encoding: Encoding, invert: bool) -> Read<u32> {
+    /// The texture of a picture file, or `None` if there is none; the same file read the same
+    /// way is read once.
+    fn picture(
+        &mut self,
+        name: &str,
+        place: Place,
+        encoding: Encoding,
+        invert: bool,
+    ) -> Read<Option<u32>> {
+        if self.lost.has(name) {
+            return Ok(None);
+        }
         let path = self.beside(name, place);
         if let Some(id) = self.pictures.get((path.clone(), invert), encoding) {
-            return Ok(id);
+            return Ok(Some(id));
         }
         let map = |texel| if invert { Vec3::ONE - texel } else { texel };
-        let format = image::ImageFormat::from_path(&path).ok();
         let key = (path.clone(), invert);
-        let added = crate::file::read(&path)
-            .map_err(|error| error.to_string())
-            .and_then(|bytes| self.pictures.insert_as(key, encoding, &bytes, format, map));
-        added.or_else(|reason| {
+        let bytes = match crate::file::read(&path) {
+            Ok(bytes) => bytes,
+            Err(reason) => {
+                self.lost.add(name, reason);
+                return Ok(None);
+            }
+        };
+        let format = format_of(&path);
+        let added = self.pictures.insert(key, encoding, &bytes, format, map);
+        added.map(Some).or_else(|reason| {
             fault(
                 place,
                 format!("{} cannot be read: {reason}", path.display()),

@@ -264,7 +264,7 @@ fn deep_hierarchies_do_not_recurse() {
     for i in 1..depth {
         glb.push(
             "nodes",
-            json!({ "children": [i], "translation": [1, 0, 0] }),
+            json!({ "children": [i], "translation": [0.0078125, 0, 0] }),
         );
     }
     let positions = glb.floats(&SQUARE[..3]);
@@ -273,7 +273,7 @@ fn deep_hierarchies_do_not_recurse() {
     glb.push("nodes", json!({ "mesh": mesh }));
     glb.json["scenes"][0]["nodes"] = json!([0]);
     let scene = glb.load().unwrap();
-    assert_eq!(scene.positions[0], Vec3::X * (depth - 1) as f32);
+    assert_eq!(scene.positions[0], Vec3::X * (depth - 1) as f32 / 128.0);
 }
 
 fn affine() -> impl Strategy<Value = ([f64; 4], [f64; 3], [f64; 3])> {

@@ -126,7 +126,10 @@ fn materials_map_onto_lambert_and_principled() {
         ("newmtl a\nKd 1\nd 0.5\n", "transparency"),
         ("newmtl a\nKd 1.5\n", "base colour [1.5, 1.5, 1.5]"),
         ("newmtl a\n", "no Kd"),
-        ("newmtl a\nKd 1\nmap_Kd gone.png\n", "gone.png left out"),
+        (
+            "newmtl a\nKd 1\nmap_Kd gone.png\n",
+            "cannot be read: gone.png",
+        ),
         ("newmtl b\nKd 1\n", "\"a\" is not defined"),
     ] {
         let scene = read_with(TRIANGLE, mtl);

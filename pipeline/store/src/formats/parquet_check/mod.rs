@@ -85,6 +85,8 @@ pub(crate) fn check_pages(
 fn range(column: &ColumnChunkMetaData, size: usize) -> Option<(usize, usize)> {
     let data = column.data_page_offset();
     let start = match column.dictionary_page_offset() {
+        // A group without rows may have a dictionary and no data.
+        Some(dictionary) if dictionary > 0 && data == 0 => dictionary,
         Some(dictionary) if dictionary > 0 => dictionary.min(data),
         _ => data,
     };
