@@ -68,7 +68,7 @@ fn claimed_sizes_are_checked() {
     let find = |name: &[u8]| bytes.windows(name.len()).position(|w| w == name).unwrap();
     for (side, words) in [
         (99_999_i32, "each side may have"),
-        (16_000, "truncated or damaged"),
+        (8_000, "truncated or damaged"),
     ] {
         let mut claimed = bytes.clone();
         for name in [&b"dataWindow\0box2i\0"[..], b"displayWindow\0box2i\0"] {
