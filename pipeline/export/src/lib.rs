@@ -8,6 +8,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod error;
+mod light;
 mod material;
 pub mod mitsuba;
 pub mod onnx;

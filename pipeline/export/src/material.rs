@@ -3,6 +3,7 @@
 use crate::ExportError;
 use exr::prelude::{Image, SpecificChannels, WritableImage, write_rgb_file};
 use glam::Vec3;
+use rrf_lights::Panorama;
 use rrf_materials::{SlotValue, Texture};
 use rrf_scene::Scene;
 use std::fmt::Write as _;
@@ -86,6 +87,20 @@ fn bitmap(name: &str, file: &str, raw: bool) -> String {
 
 fn texture(scene: &Scene, id: u32) -> Option<&Texture> {
     scene.textures.get(id as usize)
+}
+
+/// Writes a panorama as it is.
+pub(crate) fn write_texels(path: &Path, picture: &Panorama) -> Result<(), ExportError> {
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    let texel = |x: usize, y: usize| {
+        let c = picture
+            .texels
+            .get(y * width + x)
+            .copied()
+            .unwrap_or_default();
+        (c.x, c.y, c.z)
+    };
+    write_rgb_file(path, width, height, texel).map_err(|e| ExportError::write(path, e))
 }
 
 fn write_rgb(path: &Path, picture: &Texture, factor: Vec3) -> Result<(), ExportError> {

@@ -5,7 +5,7 @@
 //! agrees with `rrf trace` within noise. What cannot be said in Mitsuba's terms is returned as
 //! notes.
 
-use crate::{ExportError, material, ply};
+use crate::{ExportError, light, material, ply};
 use glam::Vec3;
 use rrf_scene::{Camera, INVALID, PointLight, Scene};
 use std::fmt::Write as _;
@@ -14,8 +14,8 @@ use std::path::Path;
 /// Paths a pixel that the exported scene asks for; a renderer's command line can say otherwise.
 const SAMPLES: u32 = 256;
 
-/// Writes the scene, seen by `camera` (if there is one) and lit by `lights` besides its own area
-/// lights. Returns what was approximated.
+/// Writes the scene, seen by `camera` (if there is one) and lit by `points` beside its own lights.
+/// Returns what was approximated.
 ///
 /// # Errors
 /// [`ExportError::Write`].
@@ -23,7 +23,7 @@ pub fn write_mitsuba(
     folder: &Path,
     scene: &Scene,
     camera: Option<&Camera>,
-    lights: &[PointLight],
+    points: &[PointLight],
 ) -> Result<Vec<String>, ExportError> {
     for part in ["meshes", "textures"] {
         let part = folder.join(part);
@@ -36,15 +36,8 @@ pub fn write_mitsuba(
     for id in 0..scene.materials.len() {
         xml += &material::bsdf(folder, scene, id)?;
     }
-    for light in lights {
-        let Vec3 { x, y, z } = light.position;
-        let _ = write!(
-            xml,
-            "<emitter type=\"point\">\n<point name=\"position\" x=\"{x}\" y=\"{y}\" z=\"{z}\"/>\n\
-             {}</emitter>\n",
-            material::rgb("intensity", light.intensity)
-        );
-    }
+    let mut notes = notes(scene);
+    xml += &light::emitters(folder, scene, points, &mut notes)?;
     for (number, mesh) in ply::meshes(scene).iter().enumerate() {
         let file = format!("meshes/{number:04}.ply");
         ply::write(&folder.join(&file), scene, mesh)?;
@@ -53,7 +46,7 @@ pub fn write_mitsuba(
     xml += "</scene>\n";
     let path = folder.join("scene.xml");
     std::fs::write(&path, xml).map_err(|e| ExportError::write(&path, e))?;
-    Ok(notes(scene))
+    Ok(notes)
 }
 
 const HEAD: &str = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n\

@@ -1,5 +1,6 @@
 //! One entry for every scene format.
 
+use crate::sky::add_sky;
 use crate::validate::validate;
 use crate::{LoadOptions, Scene, SceneError, gltf, obj, pbrt};
 use std::path::Path;
@@ -19,7 +20,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
         Some("gz") => ending(&path.with_extension("")),
         other => other.map(str::to_owned),
     };
-    let scene = match ending.as_deref() {
+    let mut scene = match ending.as_deref() {
         Some("pbrt") => pbrt::read(path, options),
         Some("gltf" | "glb") => gltf::read(path, options),
         Some("obj") => obj::read(path, options),
@@ -27,5 +28,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
             path: path.to_path_buf(),
         }),
     }?;
+    if let Some(sky) = &options.sky {
+        add_sky(&mut scene, sky)?;
+    }
     validate(scene)
 }

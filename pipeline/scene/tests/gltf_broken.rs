@@ -395,7 +395,7 @@ fn values_without_meaning_are_refused() {
 
     let mut glb = rich();
     glb.json["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(-5);
-    expect(glb.refused(), &["light 0", "not negative"]);
+    expect(glb.refused(), &["light 0", "none negative"]);
     let mut glb = rich();
     glb.json["cameras"][0]["perspective"]["yfov"] = json!(4);
     expect(glb.refused(), &["camera 0", "yfov"]);

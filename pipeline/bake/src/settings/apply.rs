@@ -24,6 +24,7 @@ impl Settings {
         config.target = self.target;
         config.default_albedo = self.scene.default_albedo;
         config.light_units = self.scene.light_units;
+        config.sky = self.scene.sky_option();
         config.extract.eye_box = self.eye_box;
         config.extract.rows = self.rows.unwrap_or(config.extract.rows);
         config.extract.paths = self.paths.unwrap_or(config.extract.paths);

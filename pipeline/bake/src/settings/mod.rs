@@ -16,7 +16,7 @@ pub use scene::SceneOptions;
 use clap::{Args, ValueEnum};
 use parse::{input, positive, region};
 use rrf_extract::{ExtractConfig, ExtractError, Region, Weights};
-use rrf_scene::{LightUnits, LoadOptions, Scene};
+use rrf_scene::{LightUnits, LoadOptions, Scene, SkyOption};
 use rrf_train::{LmConfig, Precision, TrainConfig};
 use serde::{Deserialize, Serialize};
 
@@ -98,6 +98,9 @@ pub struct BakeConfig {
     pub default_albedo: f32,
     /// Unit of glTF light intensities.
     pub light_units: LightUnits,
+    /// Sky of a scene whose file has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sky: Option<SkyOption>,
     /// Maximum of rounds.
     pub rounds: u32,
     /// Maximum of cells in all rounds.
@@ -141,6 +144,7 @@ impl BakeConfig {
             target: 0.05,
             default_albedo: 0.7,
             light_units: LightUnits::Spec,
+            sky: None,
             rounds,
             most_cells,
             compress: true,
@@ -173,6 +177,7 @@ impl BakeConfig {
         LoadOptions {
             default_albedo: self.default_albedo,
             light_units: self.light_units,
+            sky: self.sky.clone(),
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Options that say how a scene file is read.
 
-use crate::settings::parse::unit_interval;
+use crate::settings::parse::{number, numbers, unit_interval};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use rrf_scene::{LightUnits, LoadOptions};
+use rrf_scene::{LightUnits, LoadOptions, SkyOption, SkySource};
 
 /// How a scene file is read.
 #[derive(Args, Clone, Debug)]
@@ -14,6 +14,12 @@ pub struct SceneOptions {
     /// Unit of glTF light intensities, named as in Blender's exporter.
     #[arg(long, value_name = "UNITS", default_value = "spec", value_parser = light_units())]
     pub light_units: LightUnits,
+    /// Sky of a scene whose file has none: a lat-long picture, +y up, or a radiance [W/(sr m²)].
+    #[arg(long, value_name = "FILE.exr|r,g,b", value_parser = sky, allow_hyphen_values = true)]
+    pub sky: Option<SkySource>,
+    /// Angle that the picture of --sky is turned by, from -z towards +x [degrees].
+    #[arg(long, value_name = "DEG", value_parser = number, allow_hyphen_values = true, requires = "sky")]
+    pub sky_rotate: Option<f32>,
 }
 
 impl SceneOptions {
@@ -22,7 +28,20 @@ impl SceneOptions {
         LoadOptions {
             default_albedo: self.default_albedo,
             light_units: self.light_units,
+            sky: self.sky_option(),
         }
+    }
+
+    /// The sky typed, its file by its whole path, so that a run finds it from elsewhere.
+    pub fn sky_option(&self) -> Option<SkyOption> {
+        let source = match self.sky.clone()? {
+            SkySource::Picture(path) => {
+                SkySource::Picture(std::path::absolute(&path).unwrap_or(path))
+            }
+            constant => constant,
+        };
+        let rotate = self.sky_rotate.unwrap_or(0.0);
+        Some(SkyOption { source, rotate })
     }
 }
 
@@ -38,4 +57,17 @@ fn light_units() -> impl TypedValueParser<Value = LightUnits> {
         "raw" => LightUnits::Raw,
         _ => LightUnits::Spec,
     })
+}
+
+/// Three numbers, or else the name of a file.
+fn sky(text: &str) -> Result<SkySource, String> {
+    let is_number = |part: &str| part.trim().parse::<f32>().is_ok();
+    if !text.split(',').all(is_number) {
+        return Ok(SkySource::Picture(text.into()));
+    }
+    let radiance = numbers::<3>(text)?;
+    if radiance.iter().any(|&x| x < 0.0) {
+        return Err("a radiance cannot be negative".into());
+    }
+    Ok(SkySource::Constant(radiance))
 }

@@ -128,13 +128,17 @@ impl CameraArgs {
             return Err(BadInput(told.into()));
         }
         let own = scene.points().filter(|_| area);
-        let typed = self.light.iter().map(|&[x, y, z, r, g, b]| PointLight {
+        Ok(Lights {
+            points: own.chain(self.typed()).collect(),
+            area,
+        })
+    }
+
+    /// The lights typed.
+    pub fn typed(&self) -> impl Iterator<Item = PointLight> + '_ {
+        self.light.iter().map(|&[x, y, z, r, g, b]| PointLight {
             position: Vec3::new(x, y, z),
             intensity: Vec3::new(r, g, b),
-        });
-        Ok(Lights {
-            points: own.chain(typed).collect(),
-            area,
         })
     }
 }

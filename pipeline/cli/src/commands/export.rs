@@ -74,7 +74,8 @@ fn mitsuba(args: &ExportArgs, scene: &Scene, folder: &Path) -> anyhow::Result<()
     } else {
         scene.unlit()
     };
-    for note in rrf_export::mitsuba::write_mitsuba(folder, &lit, camera.as_ref(), &lights.points)? {
+    let points: Vec<_> = args.camera.typed().collect();
+    for note in rrf_export::mitsuba::write_mitsuba(folder, &lit, camera.as_ref(), &points)? {
         eprintln!("warning: {note}");
     }
     println!("{}", folder.join("scene.xml").display());

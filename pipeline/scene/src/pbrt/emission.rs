@@ -6,6 +6,7 @@ use super::light::positive;
 use super::mesh::{Lights, Mesh};
 use super::params::Params;
 use super::reader::Reader;
+use super::spectrum::luminance;
 use super::state::Emission;
 use crate::AreaLight;
 use glam::{DVec3, Vec3};
@@ -25,7 +26,14 @@ impl Reader {
             radiance *= picture;
         }
         let two_sided = params.bool("twosided")?.unwrap_or(false);
-        let power = positive(params, "power")?;
+        let mut power = positive(params, "power")?;
+        if params.has("filename")
+            && let Some(power) = &mut power
+        {
+            // the power is that of the picture's luminance, as in pbrt
+            let level = luminance(radiance);
+            *power /= if level > 0.0 { level } else { 1.0 };
+        }
         self.check_unused(params)?;
         if !radiance.as_vec3().is_finite() {
             return fault(params.place, "the light's radiance overflows");

@@ -5,6 +5,7 @@ use super::fault::{Place, Read, fault};
 use super::light::positive;
 use super::params::Params;
 use super::reader::Reader;
+use super::spectrum::luminance;
 use super::state::Version;
 use super::transform::orthogonal;
 use crate::texture::linear_picture;
@@ -15,9 +16,6 @@ use rrf_lights::{
 };
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-
-/// Y of linear sRGB (IEC 61966-2-1).
-const LUMINANCE: DVec3 = DVec3::new(0.2126729, 0.7151522, 0.0721750);
 
 /// Directions as version 3 maps them, polar axis z and azimuth from x towards y, to those of
 /// [`Mapping::LatLong`], polar axis y and azimuth from -z towards x. It mirrors.
@@ -79,7 +77,7 @@ impl Reader {
         let up = self.state.ctm.transform_vector3(DVec3::Z);
         let up = up.normalize_or_zero().as_vec3();
         let sum = map.integral(|d| f64::from(d.dot(up).max(0.0)));
-        sum.as_dvec3().dot(LUMINANCE)
+        luminance(sum.as_dvec3())
     }
 
     /// Version 4's `portal`: four corners in the world's frame, whatever the current transform.

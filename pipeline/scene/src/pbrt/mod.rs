@@ -46,10 +46,12 @@ use reader::Reader;
 use std::path::Path;
 
 /// Reads a pbrt file and all that it includes. pbrt has defaults of its own for everything
-/// that a file leaves out; of the options only a lost picture's albedo counts here.
+/// that a file leaves out; of the options only a lost picture's albedo counts here, and a sky,
+/// which replaces one whose picture is lost.
 pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     let mut reader = Reader::new(path);
     reader.lost_albedo = options.default_albedo;
+    reader.replaces_sky = options.sky.is_some();
     match reader.main_file(path) {
         Ok(()) => Ok(reader.finish()),
         Err(fault) => Err(reader.files.error(fault)),

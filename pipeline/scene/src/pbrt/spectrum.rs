@@ -108,6 +108,11 @@ fn to_xyz(spectrum: impl Fn(f64) -> f64) -> DVec3 {
     })
 }
 
+/// Y of linear sRGB (IEC 61966-2-1).
+pub(super) fn luminance(rgb: DVec3) -> f64 {
+    rgb.dot(DVec3::new(0.2126729, 0.7151522, 0.0721750))
+}
+
 /// XYZ to linear sRGB (IEC 61966-2-1; D65 white of Y = 1 becomes 1, 1, 1).
 pub(super) fn xyz_to_rgb(xyz: DVec3) -> DVec3 {
     const M: DMat3 = DMat3::from_cols_array(&[

@@ -8,4 +8,5 @@ mod gltf_geometry;
 mod gltf_materials;
 mod gltf_scenes;
 mod obj_files;
+mod skies;
 mod support;

@@ -11,10 +11,12 @@ fn a_table_means_what_the_options_mean() {
     let table = "light_box = [-1, 0, 0.5, 1, 2, 3.25]\neye_box = [0, 0, 0, 1, 1, 1]\ntarget = 0.1\n\
         seed = 7\npreset = \"fine\"\nmethod = \"nearest\"\nhidden = [8, 4]\ninputs = [\"px\", \"ny\"]\n\
         rows = 10\npaths = 2\ncells = 3\nrounds = 4\nmost_cells = 5\ntrim = false\n\
-        default_albedo = 0.25\nlight_units = \"raw\"";
+        default_albedo = 0.25\nlight_units = \"raw\"\n\
+        sky = [1, 2, 3]\nsky_rotate = -30";
     let options = "--light-box=-1,0,0.5,1,2,3.25 --eye-box 0,0,0,1,1,1 --target 0.1 --seed 7 --preset fine \
         --method nearest --hidden 8,4 --inputs px,ny --rows 10 --paths 2 --cells 3 --rounds 4 \
-        --most-cells 5 --no-trim --default-albedo 0.25 --light-units raw";
+        --most-cells 5 --no-trim --default-albedo 0.25 --light-units raw \
+        --sky 1,2,3 --sky-rotate -30";
     let typed = Options::try_parse_from(options.split_whitespace()).unwrap();
     assert_eq!(
         format!("{:?}", read(table).unwrap()),
@@ -55,6 +57,9 @@ fn wrong_values_are_named() {
             "smaller one on every axis",
         ),
         ("default_albedo = 1.5", "from 0 to 1"),
+        ("sky = [1, 2]", "needs 3 numbers"),
+        ("sky = [1, 2, -3]", "cannot be negative"),
+        ("sky_rotate = 3", "--sky <FILE.exr|r,g,b>"),
         ("inputs = [\"qx\"]", "is no input of a net"),
     ] {
         let error = read(text).unwrap_err().to_string();

@@ -137,6 +137,26 @@ fn power_of_area_lights() {
     }
 }
 
+/// The power is that of the picture's luminance: half of the picture is black here.
+#[test]
+fn power_of_a_lamp_with_a_picture() {
+    let mut picture = b"PF\n2 1\n-1\n".to_vec();
+    let texels = [0.0f32, 0.0, 0.0, 3.0, 1.0, 2.0];
+    picture.extend(texels.into_iter().flat_map(f32::to_le_bytes));
+    let (scene, _folder) = super::files::read(
+        "WorldBegin AreaLightSource \"diffuse\" \"string filename\" \"lamp.pfm\" \
+         \"float power\" 100 Shape \"disk\"",
+        &[("lamp.pfm", &picture)],
+    );
+    let summary = scene.unwrap().summary();
+    let power = summary.area_lights[0].power.map(|w| w as f32);
+    assert!(
+        (luminance(Vec3::from(power)) - 100.0).abs() < 1e-3,
+        "{power:?}"
+    );
+    assert!((power[0] / power[1] - 3.0).abs() < 1e-5, "{power:?}");
+}
+
 #[test]
 fn lights_that_are_left_out() {
     let scene = world_v4(&format!(
