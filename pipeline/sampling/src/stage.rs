@@ -23,4 +23,6 @@ pub enum Stage {
     Direct = 7,
     /// Light that a lamp's proxy is fitted to; the cell is the lamp.
     LightProxy = 8,
+    /// Rows and fits of a transfer model; the cell is 0 for rows, 1 for fits.
+    Transfer = 9,
 }

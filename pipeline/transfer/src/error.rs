@@ -46,4 +46,12 @@ pub enum TransferError {
         /// LAPACK's own words.
         reason: String,
     },
+    /// No surface point was offered.
+    #[error(
+        "no rows: no surface point was seen from where eyes are; move the cameras or the eye box into free space"
+    )]
+    NoRows,
+    /// Somebody asked to stop.
+    #[error("the bake of the transfer was stopped before it was done")]
+    Halted,
 }

@@ -16,17 +16,26 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod bake;
 mod basis;
 mod entry;
 mod error;
 mod irradiance;
 mod lights;
+mod model;
 mod patches;
+mod query;
+mod reflectance;
+mod regression;
 mod rows;
 mod sources;
 mod tracing;
 mod walk;
 
+pub use bake::{
+    CellChoice, PointDraw, TransferConfig, TransferRowsSet, bake_transfer, extract_transfer,
+    fit_transfer,
+};
 pub use basis::{Basis, CellBasis, Ensemble, RelativeWeights, radiances};
 pub use entry::Entry;
 pub use error::TransferError;
@@ -34,7 +43,14 @@ pub use irradiance::Receivers;
 pub use lights::{
     DirectLight, DistantSource, IncidentLight, Leg, PointSource, Receiver, ReceiverId,
 };
+pub use model::{
+    CellNode, LEAF_AXIS, LightBasis, LightCoefficients, PartFit, SurfaceCells, TransferAnswer,
+    TransferCell, TransferModel, TransferNet, TransferNodes,
+};
 pub use patches::{PatchConfig, PatchPoint, Patches, SizeField};
+pub use query::{SurfaceKey, TransferQuery};
+pub use reflectance::{COSINES, Reflectances};
+pub use regression::{LocalConfig, NetConfig, RowTable};
 pub use rows::{RowConfig, RowPoint, TransferRows, trace_rows};
 pub use sources::{
     ConditionPlan, FlatMirrors, Lamp, LightConditions, Mirrored, SourceLight, finer_near_lamps,

@@ -12,8 +12,10 @@
 mod cell;
 mod clock;
 mod local;
+mod model;
 mod net;
 mod oracle;
+mod ranks;
 mod raw;
 mod regress;
 mod setup;
@@ -22,6 +24,7 @@ mod tree;
 mod truth;
 
 use rrf_trace::Tracer;
+use rrf_transfer::{CellChoice, TransferConfig};
 use setup::{Places, Setup, load_whole};
 use truth::Truth;
 
@@ -74,6 +77,20 @@ fn main() {
         raw::run(&setup.scene, &tracer, &truth, &chosen);
     }
     let has = |word: &str| words.iter().any(|w| w == word);
+    if has("ranks") {
+        let (patches, rows) = (number("patches", 2_000), number("rows", 4_000));
+        ranks::run(
+            &tracer,
+            &places,
+            &truth,
+            patches,
+            number("ensemble", 500),
+            rows,
+        );
+    }
+    if has("model") {
+        model_run(&tracer, &places, &truth, &words);
+    }
     if has("local") || has("nets") {
         let fraction = |key: &str, otherwise: f64| {
             let found = words
@@ -99,4 +116,37 @@ fn main() {
         };
         regress::run(&setup.scene, &tracer, &places, &truth, &plan);
     }
+}
+
+/// The library's model by the words of the command line.
+fn model_run(tracer: &Tracer, places: &Places, truth: &Truth, words: &[String]) {
+    let text = |key: &str| {
+        let key = format!("{key}=");
+        words.iter().find_map(|w| w.strip_prefix(&key))
+    };
+    let number =
+        |key: &str, otherwise: f64| text(key).map_or(otherwise, |v| v.parse().expect("a number"));
+    let mut config = TransferConfig::default();
+    config.patches.count = number("patches", 2_000.0) as usize;
+    config.rows = number("rows", 30_000.0) as usize;
+    config.paths.paths = number("row-paths", 256.0) as u32;
+    config.candidates = number("candidates", 3.0) as f32;
+    config.rank = number("rank", 96.0) as usize;
+    config.cell_rows = number("cell-rows", 400.0) as usize;
+    config.cell_rank = number("cell-rank", 16.0) as usize;
+    config.cell_error = number("cell-error", 0.01);
+    config.nodes = number("nodes", 96.0) as usize;
+    config.net.units = number("units", 16.0) as usize;
+    config.net.ridge = number("ridge", 1e-4);
+    config.net.decay = number("decay", 0.1);
+    config.local.neighbours = number("neighbours", 24.0) as usize;
+    config.local.view = number("view", 0.15) as f32;
+    let choices: &[CellChoice] = match text("choice") {
+        Some("nets") => &[CellChoice::Nets],
+        Some("nodes") => &[CellChoice::Nodes],
+        Some("best") => &[CellChoice::Best],
+        _ => &[CellChoice::Nodes, CellChoice::Nets, CellChoice::Best],
+    };
+    let ensemble = number("ensemble", 220.0) as usize;
+    model::run(tracer, places, truth, ensemble, &config, choices);
 }

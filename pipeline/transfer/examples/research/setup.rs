@@ -1,6 +1,7 @@
 //! Scenes, and the points and lights that errors are measured at.
 
 use glam::Vec3;
+use rayon::prelude::*;
 use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, LoadOptions, Scene, load};
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
@@ -122,6 +123,15 @@ impl<'a> Places<'a> {
         (0u64..)
             .filter_map(|i| self.point(stream, i))
             .take(count)
+            .collect()
+    }
+
+    /// Those of `count` candidates that are surface points, found by all threads.
+    pub fn candidates(&self, count: usize, seed: u64) -> Vec<RowPoint> {
+        let stream = Stream::new(seed, Stage::Test, 902);
+        (0..count as u64)
+            .into_par_iter()
+            .filter_map(|i| self.point(stream, i))
             .collect()
     }
 

@@ -29,7 +29,7 @@ use svd::leading;
 pub use cell::CellBasis;
 
 /// Combinations of rows by which a light's residual is measured.
-const SKETCHES: usize = 32;
+pub(crate) const SKETCHES: usize = 32;
 /// Singular values below this share of the largest are noise of the arithmetic.
 const LEAST: f64 = 1e-7;
 
@@ -67,6 +67,13 @@ impl Ensemble {
         }
     }
 
+    /// The mean over lights, every column.
+    pub fn mean(&self) -> Vec<Vec3> {
+        (self.irradiance.chunks_exact(self.lights.max(1)))
+            .map(|of| Vec3::splat(of.iter().sum::<f32>() / self.lights.max(1) as f32))
+            .collect()
+    }
+
     fn row(&self, column: u32) -> &[f32] {
         let first = column as usize * self.lights;
         &self.irradiance[first..first + self.lights]
@@ -88,8 +95,10 @@ pub struct Basis {
     pub values: Vec<f64>,
     /// Random combinations of weighted rows, shape [sketches, columns], and of their projections,
     /// [sketches, rank].
-    sketch: Vec<f32>,
-    sketch_made: Vec<f32>,
+    pub(crate) sketch: Vec<f32>,
+    pub(crate) sketch_made: Vec<f32>,
+    /// Weights of the ensemble's lights, as [`RelativeWeights`] has them.
+    pub lights: Vec<f64>,
 }
 
 /// What the lights of an ensemble make of rows: shape [3 rows, lights], channels of a row
@@ -220,6 +229,7 @@ impl Basis {
             values: found.values.iter().take(rank).copied().collect(),
             sketch,
             sketch_made: Vec::new(),
+            lights: weights.lights.clone(),
         };
         basis.sketch_made = (basis.sketch.chunks_exact(columns))
             .flat_map(|sketch| basis.projected(sketch.iter().copied().enumerate()))

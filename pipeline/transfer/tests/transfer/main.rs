@@ -5,6 +5,7 @@
 mod basis;
 mod conditions;
 mod irradiance;
+mod model;
 mod patches;
 mod rows;
 mod scenes;

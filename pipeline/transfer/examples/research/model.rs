@@ -1,0 +1,167 @@
+//! The library's model: rows, basis, cells, and what each kind of cell makes of the same rows.
+
+use crate::clock::cpu;
+use crate::setup::{Places, one_watt};
+use crate::truth::Truth;
+use glam::Vec3;
+use rrf_trace::Tracer;
+use rrf_transfer::{
+    CellChoice, DirectLight, FlatMirrors, RowPoint, TransferConfig, TransferModel, TransferQuery,
+    extract_transfer, fit_transfer,
+};
+
+/// One line for each choice of cells.
+pub fn run(
+    tracer: &Tracer,
+    places: &Places,
+    truth: &Truth,
+    ensemble: usize,
+    config: &TransferConfig,
+    choices: &[CellChoice],
+) {
+    let start = cpu();
+    let mirrors = FlatMirrors::new(tracer);
+    let lights: Vec<_> = (places.lights(ensemble, 77).iter())
+        .map(|&l| mirrors.of(one_watt(l)))
+        .collect();
+    let lights: Vec<&dyn DirectLight> = lights.iter().map(|l| l as &dyn DirectLight).collect();
+    let draw = |_: u64, count: usize| -> Vec<RowPoint> { places.candidates(count, 2) };
+    let set = extract_transfer(tracer, &draw, &lights, config, &|| false).expect("rows");
+    let extracted = cpu() - start;
+    println!(
+        "{} patches, {} columns in use, {} rows of {} paths in {extracted:.1} CPU s",
+        set.patches.len(),
+        set.basis.columns.len(),
+        set.rows.len(),
+        config.paths.paths
+    );
+    let own = own_light(&mirrors, truth);
+    if std::env::var_os("NEAR").is_some() {
+        for at in [Vec3::new(2.52, 1.36, -0.87), Vec3::new(2.13, 0.75, -0.28)] {
+            let p = (truth.points.iter()).find(|p| p.point.position.distance(at) < 0.01);
+            let Some(p) = p else { continue };
+            let own = TransferQuery::of_row(tracer, p);
+            println!("rows near {:.3} n {:.1}", own.position, own.geometric);
+            for (i, q) in set.rows.queries.iter().enumerate() {
+                if q.surface == own.surface && q.geometric.dot(own.geometric) > 0.5 {
+                    println!(
+                        "  {:.3} level {:.5?}",
+                        q.position - own.position,
+                        set.rows.levels[i]
+                    );
+                }
+            }
+        }
+    }
+    for &choice in choices {
+        let start = cpu();
+        let config = TransferConfig { choice, ..*config };
+        let model = fit_transfer(set.clone(), &config, &|| false).expect("a model");
+        let fitted = cpu() - start;
+        report(tracer, &mirrors, truth, &own, &model);
+        println!(
+            "   {choice:?}: fits {fitted:.1} CPU s, all {:.1}",
+            extracted + fitted
+        );
+    }
+}
+
+/// What flat mirrors add by way of the judged points themselves, shape [points, lights].
+pub fn own_light(mirrors: &FlatMirrors, truth: &Truth) -> Vec<Vec3> {
+    let of = |&l: &Vec3| mirrors.at_rows(&one_watt(l), &truth.points, 0);
+    let by_light: Vec<Vec<Vec3>> = truth.lights.iter().map(of).collect();
+    (0..truth.points.len())
+        .flat_map(|p| by_light.iter().map(move |own| own[p]))
+        .collect()
+}
+
+fn report(
+    tracer: &Tracer,
+    mirrors: &FlatMirrors,
+    truth: &Truth,
+    own: &[Vec3],
+    model: &TransferModel,
+) {
+    let receivers = model.receivers(tracer);
+    let queries: Vec<TransferQuery> = (truth.points.iter())
+        .map(|p| TransferQuery::of_row(tracer, p))
+        .collect();
+    let mut predicted = own.to_vec();
+    let (mut residual, mut unknown, mut trusted) = (0.0, 0, 0);
+    let count = truth.lights.len();
+    for (l, &light) in truth.lights.iter().enumerate() {
+        let irradiance = receivers.irradiance(&mirrors.of(one_watt(light)));
+        let own_residual = model.residual(&irradiance).expect("columns");
+        if std::env::var_os("WORST").is_some() {
+            println!("   light {l} residual {own_residual:.3}");
+        }
+        residual += own_residual / count as f32;
+        let light = model.coefficients(&irradiance).expect("columns");
+        for (p, answer) in model.evaluate(&light, &queries).iter().enumerate() {
+            predicted[p * count + l] += answer.radiance.max(Vec3::ZERO);
+            unknown += usize::from(answer.cell == rrf_scene::INVALID);
+            trusted += usize::from(answer.trusted);
+        }
+    }
+    let squares = truth.squares(&predicted, &predicted);
+    println!("   {}", truth.summary(&squares));
+    let ranks: usize = model.cells.iter().map(|c| c.basis.rank).sum();
+    println!(
+        "   {} cells of {:.1} directions, {:.2} MB ({:.2} MB basis), {unknown} answers without a cell, {:.1} % trusted, residual {:.1} %",
+        model.cells.len(),
+        ranks as f64 / model.cells.len() as f64,
+        4e-6 * model.numbers() as f64,
+        4e-6 * model.basis.numbers() as f64,
+        100.0 * trusted as f64 / predicted.len() as f64,
+        100.0 * residual
+    );
+    if std::env::var_os("WORST").is_some() {
+        worst(truth, &queries, model, &predicted, &squares);
+    }
+}
+
+/// The points that make most of the error.
+fn worst(
+    truth: &Truth,
+    queries: &[TransferQuery],
+    model: &TransferModel,
+    predicted: &[Vec3],
+    squares: &[f32],
+) {
+    let lights = truth.lights.len();
+    let of = |p: usize| squares[p * lights..(p + 1) * lights].iter().sum::<f32>();
+    let total: f32 = squares.iter().sum();
+    let mut order: Vec<usize> = (0..queries.len()).collect();
+    order.sort_by(|&a, &b| of(b).total_cmp(&of(a)));
+    for &p in order.iter().take(14) {
+        let mean =
+            |v: &[Vec3]| v[p * lights..(p + 1) * lights].iter().sum::<Vec3>() / lights as f32;
+        let query = &queries[p];
+        let most = (0..lights)
+            .max_by(|&a, &b| squares[p * lights + a].total_cmp(&squares[p * lights + b]));
+        let l = most.expect("lights");
+        println!(
+            "   at light {l} {:.2}: {:.4} for {:.4}, light's mean error {:.3}",
+            truth.lights[l],
+            predicted[p * lights + l],
+            truth.halves[0][p * lights + l],
+            ((0..queries.len())
+                .map(|q| squares[q * lights + l])
+                .sum::<f32>()
+                / queries.len() as f32)
+                .sqrt(),
+        );
+        let cell = model.tree.find(query).map(|c| &model.cells[c as usize]);
+        println!(
+            "   share {:.3} at {:.2} n {:.1} {:?} colour {:.2}, cell {:?}: {:.4} for {:.4}",
+            of(p) / total,
+            query.position,
+            query.geometric,
+            query.surface,
+            query.base_color,
+            cell.map(|c| (c.basis.rank, c.error)),
+            mean(predicted),
+            mean(&truth.halves[0]),
+        );
+    }
+}

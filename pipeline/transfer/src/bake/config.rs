@@ -1,0 +1,98 @@
+//! How a transfer model is made.
+
+use crate::patches::PatchConfig;
+use crate::regression::{LocalConfig, NetConfig};
+use crate::rows::RowConfig;
+
+/// Which fits cells may have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CellChoice {
+    /// Nets, and local fits at nodes where a net does not come to their error.
+    #[default]
+    Best,
+    /// Nets everywhere.
+    Nets,
+    /// Local fits at nodes everywhere.
+    Nodes,
+}
+
+/// How a transfer model is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TransferConfig {
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Patches of the surface.
+    pub patches: PatchConfig,
+    /// Points that each patch's irradiance is asked at.
+    pub receiver_points: u32,
+    /// How many rows are traced.
+    pub rows: usize,
+    /// Paths of a row.
+    pub paths: RowConfig,
+    /// Surface points that are drawn for every row that is traced.
+    pub pool: f32,
+    /// Surface points that are looked at for every row that is traced.
+    pub candidates: f32,
+    /// Rows that a face of a surface gets at least, if it is seen at all.
+    pub least_rows: usize,
+    /// Rows that the basis is made from.
+    pub basis_rows: usize,
+    /// Dimensions of the basis.
+    pub rank: usize,
+    /// Levels below this share of the mean count no less.
+    pub floor: f64,
+    /// Rows of a cell at most.
+    pub cell_rows: usize,
+    /// Directions of a cell at most.
+    pub cell_rank: usize,
+    /// Share of the light that a cell's directions may leave out.
+    pub cell_error: f64,
+    /// One row of so many judges and is not fitted to.
+    pub judging: u32,
+    /// Local fits.
+    pub local: LocalConfig,
+    /// Nets.
+    pub net: NetConfig,
+    /// Nodes of a cell at most.
+    pub nodes: usize,
+    /// Which fits cells may have.
+    pub choice: CellChoice,
+    /// A net may have this times the error of the local fits and still stand for them.
+    pub patience: f32,
+    /// Cells with a larger error are not trusted.
+    pub trust: f32,
+}
+
+impl Default for TransferConfig {
+    fn default() -> TransferConfig {
+        TransferConfig {
+            seed: 1,
+            patches: PatchConfig {
+                count: 2_000,
+                ..PatchConfig::default()
+            },
+            receiver_points: 8,
+            rows: 30_000,
+            paths: RowConfig {
+                paths: 256,
+                ..RowConfig::default()
+            },
+            pool: 16.0,
+            candidates: 3.0,
+            least_rows: 64,
+            basis_rows: 3_000,
+            rank: 96,
+            floor: 0.05,
+            cell_rows: 400,
+            cell_rank: 16,
+            cell_error: 0.01,
+            judging: 8,
+            local: LocalConfig::default(),
+            net: NetConfig::default(),
+            nodes: 96,
+            choice: CellChoice::Best,
+            patience: 1.1,
+            trust: 0.2,
+        }
+    }
+}

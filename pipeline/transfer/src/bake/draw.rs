@@ -1,0 +1,132 @@
+//! Where rows are traced.
+
+use super::config::TransferConfig;
+use crate::TransferError;
+use crate::patches::Patches;
+use crate::query::{SurfaceKey, TransferQuery};
+use crate::rows::{RowConfig, RowPoint, trace_rows};
+use crate::tracing::{Stream, Tracer};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Offers surface points and viewers, as the eyes of a scene come to see them.
+pub trait PointDraw: Sync {
+    /// The points `first..first + count` of a sequence that never changes; fewer where some of
+    /// them see nothing.
+    fn draw(&self, first: u64, count: usize) -> Vec<RowPoint>;
+}
+
+impl<F> PointDraw for F
+where
+    F: Fn(u64, usize) -> Vec<RowPoint> + Sync,
+{
+    fn draw(&self, first: u64, count: usize) -> Vec<RowPoint> {
+        self(first, count)
+    }
+}
+
+/// Points that were chosen.
+pub(crate) struct Chosen {
+    pub(crate) points: Vec<RowPoint>,
+    /// Columns that looks at the candidates deposited in.
+    pub(crate) used: Vec<bool>,
+}
+
+/// Paths of a look.
+const LOOK: RowConfig = RowConfig {
+    paths: 16,
+    keep: 0.5,
+};
+/// Distances below this are alike, metres.
+const NEAREST: f32 = 0.02;
+/// Viewers at a smaller cosine see nothing to speak of.
+const GRAZING: f32 = 0.02;
+/// Share of the rows that are spread evenly over what is seen.
+const EVEN: f32 = 0.3;
+
+/// Chooses points where light falls steeply more often: as 1 / the squared harmonic mean of the
+/// distances around them (Ward, Rubinstein, Clear 1988), and as often as `least_rows` asks on
+/// faces that are seldom seen.
+pub(crate) fn choose(
+    tracer: &Tracer,
+    patches: &Patches,
+    draw: &dyn PointDraw,
+    config: &TransferConfig,
+    stream: Stream,
+) -> Result<Chosen, TransferError> {
+    let pool = draw.draw(0, (config.rows as f32 * config.pool.max(1.0)) as usize);
+    if pool.is_empty() || config.rows == 0 {
+        return Err(TransferError::NoRows);
+    }
+    let keys: Vec<(SurfaceKey, u8)> = (pool.par_iter())
+        .map(|point| face(&TransferQuery::of_row(tracer, point)))
+        .collect();
+    let mut seen: BTreeMap<(SurfaceKey, u8), Vec<u32>> = BTreeMap::new();
+    for (i, &key) in keys.iter().enumerate() {
+        seen.entry(key).or_default().push(i as u32);
+    }
+    let numbers = stream.part(3);
+    let unit = |i: usize, block: u32| numbers.units(i as u64, 0, block);
+    let share = config.rows as f32 * config.candidates.max(1.0) / pool.len() as f32;
+    let looked: Vec<usize> = (0..pool.len()).filter(|&i| unit(i, 0)[0] < share).collect();
+    let (mut wanted, used) = steep(tracer, patches, &pool, &looked, config, stream)?;
+    for members in seen.values() {
+        let least = config.least_rows as f32 / members.len() as f32;
+        let few = members.iter().filter(|&&i| unit(i as usize, 0)[1] < least);
+        few.for_each(|&i| wanted[i as usize] = true);
+    }
+    let mut points: Vec<RowPoint> = (0..pool.len())
+        .filter(|&i| wanted[i])
+        .map(|i| pool[i])
+        .collect();
+    for members in seen.values() {
+        for k in members.len()..config.least_rows {
+            let like = &pool[members[k % members.len()] as usize];
+            points.extend(beside(
+                tracer,
+                like,
+                unit(members[0] as usize, 1 + k as u32),
+            ));
+        }
+    }
+    Ok(Chosen { points, used })
+}
+
+/// Which of the points that are looked at become rows, and the columns that the looks met.
+fn steep(
+    tracer: &Tracer,
+    patches: &Patches,
+    pool: &[RowPoint],
+    looked: &[usize],
+    config: &TransferConfig,
+    stream: Stream,
+) -> Result<(Vec<bool>, Vec<bool>), TransferError> {
+    let points: Vec<RowPoint> = looked.iter().map(|&i| pool[i]).collect();
+    let rows = trace_rows(tracer, patches, &points, &LOOK, stream.part(2), 0)?;
+    let near: Vec<f32> = rows.distance.iter().map(|d| 1.0 / d.max(NEAREST)).collect();
+    let mean = near.iter().sum::<f32>() / near.len().max(1) as f32;
+    let most = config.candidates.max(1.0);
+    let chance = |k: usize| (EVEN + (1.0 - EVEN) * (near[k] / mean).powi(2)).min(most);
+    let total: f32 = (0..looked.len()).map(chance).sum();
+    let by = config.rows as f32 / total;
+    let mut wanted = vec![false; pool.len()];
+    for (k, &i) in looked.iter().enumerate() {
+        wanted[i] = stream.part(3).units(i as u64, 0, 0)[2] < by * chance(k);
+    }
+    Ok((wanted, rows.used()))
+}
+
+/// Another point of the same triangle, seen from the same direction.
+fn beside(tracer: &Tracer, like: &RowPoint, u: [f32; 4]) -> Option<RowPoint> {
+    let barycentrics = rrf_sampling::warp::uniform_triangle([u[0], u[1]]);
+    let point = tracer.point(like.point.triangle, barycentrics);
+    let facing = TransferQuery::new(tracer, &point, like.viewer).facing();
+    (facing > GRAZING).then_some(RowPoint { point, ..*like })
+}
+
+/// A surface and which of six ways it faces there.
+fn face(query: &TransferQuery) -> (SurfaceKey, u8) {
+    let n = query.geometric;
+    let axis = n.abs().max_position() as u8;
+    (query.surface, 2 * axis + u8::from(n[axis as usize] < 0.0))
+}
