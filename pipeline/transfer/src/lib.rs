@@ -18,6 +18,7 @@
 
 mod bake;
 mod basis;
+mod book;
 mod entry;
 mod error;
 mod irradiance;
@@ -37,6 +38,7 @@ pub use bake::{
     fit_transfer,
 };
 pub use basis::{Basis, CellBasis, Ensemble, RelativeWeights, radiances};
+pub use book::{LightBook, LitTransfer};
 pub use entry::Entry;
 pub use error::TransferError;
 pub use irradiance::Receivers;
@@ -54,5 +56,5 @@ pub use regression::{LocalConfig, NetConfig, RowTable};
 pub use rows::{RowConfig, RowPoint, TransferRows, trace_rows};
 pub use sources::{
     ConditionPlan, FlatMirrors, Lamp, LightConditions, Mirrored, SourceLight, finer_near_lamps,
-    named_light,
+    in_white, named_light,
 };

@@ -11,7 +11,6 @@ mod mirrors;
 mod own_closed;
 mod own_lights;
 mod planes;
-mod reach;
 mod reference;
 mod refusals;
 mod scenes;

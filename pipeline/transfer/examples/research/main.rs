@@ -41,7 +41,12 @@ fn main() {
         found.map_or(otherwise, |v| v.parse().expect("a number"))
     };
     if let Some(table) = words.iter().find_map(|w| w.strip_prefix("oracle=")) {
-        let scene = load_whole(path.map(String::as_str));
+        let sky = words.iter().find_map(|w| w.strip_prefix("sky="));
+        let whole = load_whole(path.map(String::as_str), sky);
+        let scene = match words.iter().any(|w| w == "unlit") {
+            true => whole.unlit(),
+            false => whole,
+        };
         let tracer = Tracer::new(&scene).expect("a scene that can be traced");
         let plan = oracle::Plan {
             patches: number("patches", 2_000),

@@ -140,8 +140,29 @@ pub fn run(tracer: &Tracer, file: &str, plan: &Plan) {
             groups.entry("(but brass)").or_default().push(row);
         }
     }
+    worst(&known, &halves, level);
     for (name, of) in groups {
         report(name, &of, &known, &halves, level);
+    }
+}
+
+/// The rows that err most.
+fn worst(known: &[Known], halves: &[[Vec3; 2]], level: f32) {
+    let error = |row: usize| {
+        let mean = (halves[row][0] + halves[row][1]) * 0.5;
+        let weight = 1.0 / (known[row].mean.element_sum() / 3.0).max(0.05 * level);
+        ((mean - known[row].mean) * weight).length_squared()
+    };
+    let mut order: Vec<usize> = (0..known.len()).collect();
+    order.sort_by(|&a, &b| error(b).total_cmp(&error(a)));
+    for &row in order.iter().take(8) {
+        let Known {
+            mean, at, material, ..
+        } = &known[row];
+        println!(
+            "    {material} at {:.2} n {:.1}: {:.4} {:.4} for {mean:.4}",
+            at.point.position, at.point.normal, halves[row][0], halves[row][1]
+        );
     }
 }
 

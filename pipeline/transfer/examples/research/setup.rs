@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_sampling::{Stage, Stream};
-use rrf_scene::{INVALID, LoadOptions, Scene, load};
+use rrf_scene::{INVALID, LoadOptions, Scene, SkyOption, SkySource, load};
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 use rrf_transfer::{PointSource, RowPoint};
 
@@ -22,7 +22,7 @@ pub struct Setup {
 impl Setup {
     /// `salon PATH`, `overhead`, `free` or `free15` (at least 0.15 m from surfaces).
     pub fn new(name: &str, path: Option<&str>) -> Setup {
-        let scene = load_whole(path).unlit();
+        let scene = load_whole(path, None).unlit();
         let b = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
         let (lights, eyes, clearance, seen) = match name {
             "salon" => {
@@ -54,13 +54,20 @@ impl Setup {
     }
 }
 
-/// The scene with its own lights.
-pub fn load_whole(path: Option<&str>) -> Scene {
+/// The scene with its own lights, under a sky if one is given.
+pub fn load_whole(path: Option<&str>, sky: Option<&str>) -> Scene {
     let cornell = concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../scenes/cornell-box/scene.pbrt"
     );
-    load(path.unwrap_or(cornell).as_ref(), &LoadOptions::default()).expect("a scene file")
+    let options = LoadOptions {
+        sky: sky.map(|file| SkyOption {
+            source: SkySource::Picture(file.into()),
+            rotate: 0.0,
+        }),
+        ..LoadOptions::default()
+    };
+    load(path.unwrap_or(cornell).as_ref(), &options).expect("a scene file")
 }
 
 /// Draws points and lights.

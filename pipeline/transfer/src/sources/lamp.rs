@@ -11,6 +11,7 @@ use crate::tracing::Stream;
 use glam::Vec3;
 use rrf_lights::AreaLight;
 use rrf_scene::Scene;
+use std::hash::{DefaultHasher, Hasher};
 
 /// Samples a point.
 const SAMPLES: u32 = 4;
@@ -103,6 +104,48 @@ impl Lamp {
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }
+}
+
+/// Lamps of one light's name and one radiance, in white.
+pub(crate) struct WhiteLamp {
+    pub(crate) lamp: Lamp,
+    /// Radiance [W/(sr m²)].
+    pub(crate) colour: Vec3,
+    /// Tells its places and sides from those of other lamps.
+    pub(crate) key: u64,
+}
+
+/// The lamps of a scene.
+pub(crate) fn white_lamps(scene: &Scene, stream: Stream) -> Vec<WhiteLamp> {
+    let mut kinds: Vec<(&str, [u32; 3])> = Vec::new();
+    let kind = |id: usize| {
+        let name = scene.area_light_names.get(id).map_or("", String::as_str);
+        let radiance = scene.area_lights[id].radiance;
+        (name, radiance.to_array().map(f32::to_bits))
+    };
+    for id in 0..scene.area_lights.len() {
+        if !kinds.contains(&kind(id)) {
+            kinds.push(kind(id));
+        }
+    }
+    (kinds.into_iter())
+        .map(|of| {
+            let mut lamp = Lamp::new(scene, |id| kind(id as usize) == of, stream);
+            let mut hasher = DefaultHasher::new();
+            for triangle in &mut lamp.triangles {
+                triangle.light.radiance = Vec3::ONE;
+                hasher.write_u8(u8::from(triangle.light.two_sided));
+                let corners = triangle.corners.iter().flat_map(|c| c.to_array());
+                corners.for_each(|x| hasher.write_u32(x.to_bits()));
+            }
+            WhiteLamp {
+                lamp,
+                colour: Vec3::from(of.1.map(f32::from_bits)),
+                key: hasher.finish(),
+            }
+        })
+        .filter(|white| !white.lamp.is_empty())
+        .collect()
 }
 
 impl Shining {

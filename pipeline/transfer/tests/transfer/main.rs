@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod basis;
+mod book;
 mod conditions;
 mod irradiance;
 mod model;

@@ -43,7 +43,7 @@ fn seen(tracer: &Tracer, first: u64, count: usize, seed: u64) -> Vec<RowPoint> {
     met.filter_map(row).collect()
 }
 
-fn config(choice: CellChoice) -> TransferConfig {
+pub fn config(choice: CellChoice) -> TransferConfig {
     let mut config = TransferConfig {
         rows: 2_500,
         pool: 2.0,
@@ -59,7 +59,7 @@ fn config(choice: CellChoice) -> TransferConfig {
     config
 }
 
-fn bake(tracer: &Tracer, config: &TransferConfig) -> TransferModel {
+pub fn bake(tracer: &Tracer, config: &TransferConfig) -> TransferModel {
     let lights = lights(120, 1);
     let lights: Vec<&dyn DirectLight> = lights.iter().map(|l| l as &dyn DirectLight).collect();
     let draw = |_: u64, count: usize| -> Vec<RowPoint> { seen(tracer, 0, count, 31) };
