@@ -22,6 +22,7 @@ mod locate;
 mod mirrors;
 mod own_light;
 mod rays;
+mod reach;
 mod shading;
 mod surface;
 mod tracer;

@@ -11,6 +11,7 @@ mod mirrors;
 mod own_closed;
 mod own_lights;
 mod planes;
+mod reach;
 mod reference;
 mod refusals;
 mod scenes;
