@@ -33,3 +33,19 @@ pub(crate) fn emitters(
     }
     Ok(xml)
 }
+
+/// The emitter of an area light's shapes, its picture written beside; empty for no light.
+pub(crate) fn area(folder: &Path, scene: &Scene, id: u32) -> Result<String, ExportError> {
+    let Some(light) = scene.area_lights.get(id as usize) else {
+        return Ok(String::new());
+    };
+    let radiance = match scene.emission_texture(id) {
+        Some(picture) => {
+            let file = format!("textures/lamp{id}.exr");
+            material::write_rgb(&folder.join(&file), picture, light.radiance)?;
+            material::bitmap("radiance", &file, false)
+        }
+        None => material::rgb("radiance", light.radiance),
+    };
+    Ok(format!("<emitter type=\"area\">\n{radiance}</emitter>\n"))
+}

@@ -78,7 +78,7 @@ pub(crate) fn rgb(name: &str, c: Vec3) -> String {
     )
 }
 
-fn bitmap(name: &str, file: &str, raw: bool) -> String {
+pub(crate) fn bitmap(name: &str, file: &str, raw: bool) -> String {
     format!(
         "<texture name=\"{name}\" type=\"bitmap\">\n<string name=\"filename\" value=\"{file}\"/>\n\
          <boolean name=\"raw\" value=\"{raw}\"/>\n</texture>\n"
@@ -103,7 +103,7 @@ pub(crate) fn write_texels(path: &Path, picture: &Panorama) -> Result<(), Export
     write_rgb_file(path, width, height, texel).map_err(|e| ExportError::write(path, e))
 }
 
-fn write_rgb(path: &Path, picture: &Texture, factor: Vec3) -> Result<(), ExportError> {
+pub(crate) fn write_rgb(path: &Path, picture: &Texture, factor: Vec3) -> Result<(), ExportError> {
     let (width, height) = (picture.width as usize, picture.height as usize);
     let texel = |x: usize, y: usize| {
         let texel = picture.texels.get(y * width + x).copied();

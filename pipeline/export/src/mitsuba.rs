@@ -41,7 +41,7 @@ pub fn write_mitsuba(
     for (number, mesh) in ply::meshes(scene).iter().enumerate() {
         let file = format!("meshes/{number:04}.ply");
         ply::write(&folder.join(&file), scene, mesh)?;
-        xml += &shape(&file, scene, mesh);
+        xml += &shape(folder, &file, scene, mesh)?;
     }
     xml += "</scene>\n";
     let path = folder.join("scene.xml");
@@ -88,24 +88,23 @@ fn sensor(camera: &Camera, scene: &Scene) -> String {
     )
 }
 
-fn shape(file: &str, scene: &Scene, mesh: &ply::Mesh) -> String {
+fn shape(
+    folder: &Path,
+    file: &str,
+    scene: &Scene,
+    mesh: &ply::Mesh,
+) -> Result<String, ExportError> {
     let normals = if mesh.smooth {
         ""
     } else {
         "<boolean name=\"face_normals\" value=\"true\"/>\n"
     };
-    let emitter = scene
-        .area_lights
-        .get(mesh.light as usize)
-        .map_or(String::new(), |light| {
-            let radiance = material::rgb("radiance", light.radiance);
-            format!("<emitter type=\"area\">\n{radiance}</emitter>\n")
-        });
-    format!(
+    let emitter = light::area(folder, scene, mesh.light)?;
+    Ok(format!(
         "<shape type=\"ply\">\n<string name=\"filename\" value=\"{file}\"/>\n{normals}\
          <ref id=\"m{}\"/>\n{emitter}</shape>\n",
         mesh.material
-    )
+    ))
 }
 
 /// Notes on what Mitsuba will do otherwise.

@@ -88,6 +88,10 @@ impl Scene {
             "two_sided",
             self.area_lights.iter().map(|l| u32::from(l.two_sided)),
         );
+        if !self.area_light_textures.is_empty() {
+            let textures = self.area_light_textures.iter();
+            hash.ids("area_light_textures", textures.copied());
+        }
         let cameras = self.cameras.iter();
         hash.floats(
             "cameras",

@@ -1,6 +1,6 @@
 //! A scene's own lights, by name.
 
-use crate::Scene;
+use crate::{INVALID, Scene};
 use rrf_lights::{AreaLight, LightNames, LightSource, PointLight};
 use std::collections::{HashMap, HashSet};
 
@@ -51,8 +51,13 @@ impl Scene {
         })
     }
 
-    /// Adds an area light under its own light's name; returns its id.
-    pub(crate) fn add_area_light(&mut self, light: AreaLight, name: String) -> u32 {
+    /// Adds an area light under its own light's name, with a texture or [`INVALID`]; returns its id.
+    pub(crate) fn add_area_light(&mut self, light: AreaLight, name: String, texture: u32) -> u32 {
+        if texture != INVALID {
+            self.area_light_textures
+                .resize(self.area_lights.len(), INVALID);
+            self.area_light_textures.push(texture);
+        }
         self.area_lights.push(light);
         self.area_light_names.push(name);
         self.area_lights.len() as u32 - 1
@@ -138,7 +143,7 @@ mod tests {
             two_sided: false,
         };
         for name in ["lamp", "shade", "lamp"] {
-            scene.add_area_light(light, name.into());
+            scene.add_area_light(light, name.into(), INVALID);
         }
         let source = LightSource::Point(PointLight {
             position: Vec3::ZERO,

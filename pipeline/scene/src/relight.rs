@@ -19,6 +19,7 @@ impl Scene {
             lights: Vec::new(),
             area_lights: Vec::new(),
             area_light_names: Vec::new(),
+            area_light_textures: Vec::new(),
             ..self.clone()
         }
     }

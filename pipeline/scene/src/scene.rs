@@ -70,6 +70,9 @@ pub struct Scene {
     /// Own light that each area light is part of: lamps of one material, or pieces of one shape,
     /// share a name. As long as `area_lights`.
     pub area_light_names: Vec<String>,
+    /// Texture that each area light's radiance is multiplied with, or `INVALID`; area lights
+    /// beyond its end have none.
+    pub area_light_textures: Vec<u32>,
     /// Cameras, the first one the default.
     pub cameras: Vec<Camera>,
     /// Approximations and omissions.

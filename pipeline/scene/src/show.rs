@@ -142,7 +142,11 @@ impl fmt::Display for AreaLightSummary {
             self.triangles,
             self.area,
             Triple(&self.power)
-        )
+        )?;
+        match self.texture {
+            Some(id) => write!(out, ", texture {id}"),
+            None => Ok(()),
+        }
     }
 }
 

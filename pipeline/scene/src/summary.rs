@@ -2,6 +2,7 @@
 
 use crate::measure::areas_by;
 use crate::{Bounds, INVALID, Material, OwnLight, Scene, Warning};
+use glam::DVec3;
 use rrf_materials::Storage;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -112,6 +113,8 @@ pub struct AreaLightSummary {
     pub area: f64,
     /// Radiant power pi * area * radiance, twice for two sides \[W\].
     pub power: [f64; 3],
+    /// Texture that multiplies the radiance.
+    pub texture: Option<u32>,
 }
 
 /// A camera.
@@ -193,18 +196,28 @@ impl Scene {
 
     fn area_light_summaries(&self) -> Vec<AreaLightSummary> {
         let areas = areas_by(self, &self.triangle_light, self.area_lights.len());
+        let shining = self.shining_areas();
         self.area_lights
             .iter()
             .zip(&self.area_light_names)
             .zip(areas)
-            .map(|((light, name), (triangles, area))| AreaLightSummary {
-                name: name.clone(),
-                radiance: light.radiance.to_array(),
-                two_sided: light.two_sided,
-                triangles,
-                area,
-                power: light.power(area),
-            })
+            .zip(shining)
+            .zip(0..)
+            .map(
+                |((((light, name), (triangles, area)), (_, shining)), id)| AreaLightSummary {
+                    name: name.clone(),
+                    radiance: light.radiance.to_array(),
+                    two_sided: light.two_sided,
+                    triangles,
+                    area,
+                    power: (DVec3::from(light.power(1.0)) * shining).to_array(),
+                    texture: self
+                        .area_light_textures
+                        .get(id)
+                        .copied()
+                        .filter(|&id| id != INVALID),
+                },
+            )
             .collect()
     }
 

@@ -38,6 +38,7 @@ fn square() -> Scene {
             two_sided: true,
         }],
         area_light_names: vec!["panel".into()],
+        area_light_textures: Vec::new(),
         cameras: vec![Camera {
             name: "eye".into(),
             eye: Vec3::Z,
@@ -262,7 +263,7 @@ fn small_triangles_stay() {
 
 #[test]
 fn hash_sees_all_that_changes_the_light_and_nothing_else() {
-    let changes: [Change; 25] = [
+    let changes: [Change; 26] = [
         |s| s.positions[0].x = 0.25,
         |s| s.normals[0].x = 0.25,
         |s| s.uvs[0].x = 0.25,
@@ -289,6 +290,7 @@ fn hash_sees_all_that_changes_the_light_and_nothing_else() {
         |s| bulb(s).intensity.x = 0.25,
         |s| s.area_lights[0].radiance.x = 0.25,
         |s| s.area_lights[0].two_sided = false,
+        |s| s.area_light_textures = vec![0],
         |s| s.cameras[0].eye.x = 0.25,
         |s| s.cameras[0].right = Vec3::NEG_X,
         |s| s.cameras[0].fov = 41.0,

@@ -38,15 +38,18 @@ pub(crate) enum Encoding {
 /// The scene's textures while it is being read: each picture decoded once a use.
 pub(crate) struct TextureTable<K> {
     ids: HashMap<(K, Encoding), u32>,
+    /// Pictures that shine, with the factors that they lost.
+    lights: HashMap<(K, Encoding), (u32, f32)>,
     textures: Vec<Texture>,
     texels: u64,
 }
 
-impl<K: Hash + Eq> TextureTable<K> {
+impl<K: Hash + Eq + Clone> TextureTable<K> {
     /// Empty.
     pub(crate) fn new() -> Self {
         Self {
             ids: HashMap::new(),
+            lights: HashMap::new(),
             textures: Vec::new(),
             texels: 0,
         }
@@ -77,6 +80,39 @@ impl<K: Hash + Eq> TextureTable<K> {
         Ok(id)
     }
 
+    /// Decodes a picture that shines as picture `key`, brought to at most 1: its id, and the factor
+    /// that it lost. The error is a message.
+    pub(crate) fn insert_light(
+        &mut self,
+        key: K,
+        encoding: Encoding,
+        bytes: &[u8],
+        format: Option<ImageFormat>,
+    ) -> Result<(u32, f32), String> {
+        if let Some(&known) = self.lights.get(&(key.clone(), encoding)) {
+            return Ok(known);
+        }
+        let mut texture = decode(bytes, encoding, format, MAX_TEXELS - self.texels)?;
+        let bad = |texel: &Vec3| !texel.is_finite() || texel.min_element() < 0.0;
+        if let Some(at) = texture.texels.iter().position(bad) {
+            let (column, row) = (at as u32 % texture.width, at as u32 / texture.width);
+            return Err(format!(
+                "texel in column {column}, row {row} (from 0, row 0 at the top): light is finite \
+                 and not negative"
+            ));
+        }
+        let peak = texture
+            .texels
+            .iter()
+            .fold(1.0, |peak: f32, texel| peak.max(texel.max_element()));
+        if peak > 1.0 {
+            texture.texels.iter_mut().for_each(|texel| *texel /= peak);
+        }
+        let id = self.push(texture)?;
+        self.lights.insert((key, encoding), (id, peak));
+        Ok((id, peak))
+    }
+
     /// A copy of a texture times a colour.
     pub(crate) fn scaled(&mut self, id: u32, scale: Vec3) -> Result<u32, String> {
         let Some(mut texture) = self.textures.get(id as usize).cloned() else {
@@ -102,18 +138,6 @@ impl<K: Hash + Eq> TextureTable<K> {
         self.textures
             .get(id as usize)
             .map_or(DVec3::ZERO, Texture::mean)
-    }
-
-    /// The mean over a picture that no surface looks up, linear RGB; the error is a message.
-    pub(crate) fn mean(
-        &self,
-        encoding: Encoding,
-        bytes: &[u8],
-        format: Option<ImageFormat>,
-    ) -> Result<Vec3, String> {
-        Ok(decode(bytes, encoding, format, MAX_TEXELS - self.texels)?
-            .mean()
-            .as_vec3())
     }
 
     /// The textures, ids as positions.

@@ -202,6 +202,11 @@ fn check_lights(scene: &Scene) -> Result<(), SceneError> {
         }
     }
     check_names(scene)?;
+    let textures = scene.textures.len();
+    let lost = |&&id: &&u32| id != INVALID && id as usize >= textures;
+    if scene.area_light_textures.iter().any(|id| lost(&id)) {
+        return refuse(scene, "area light", "its texture's id is out of range");
+    }
     for (i, light) in scene.area_lights.iter().enumerate() {
         if !good(light.radiance) {
             let message = format!(

@@ -49,10 +49,17 @@ impl LightSet {
         self.far.sources.iter().map(|s| s.radiance(toward)).sum()
     }
 
-    /// Radiance [W/(sr m²)] that a triangle emits toward `v`; `outward` is its geometric normal.
+    /// Radiance [W/(sr m²)] that a triangle emits toward `v` at a point by its barycentrics;
+    /// `outward` is its geometric normal.
     #[inline]
-    pub(crate) fn emission(&self, scene: &Scene, triangle: u32, outward: Vec3, v: Vec3) -> Vec3 {
-        emission(scene, &self.areas, triangle, outward, v)
+    pub(crate) fn emission(
+        &self,
+        scene: &Scene,
+        at: (u32, [f32; 2]),
+        outward: Vec3,
+        v: Vec3,
+    ) -> Vec3 {
+        emission(scene, &self.areas, at, outward, v)
     }
 }
 

@@ -62,7 +62,8 @@ impl Tracer<'_> {
 
     /// Radiance [W/(sr m²)] that the surface emits at a point toward `v` when `lights` shine.
     pub fn emission_of(&self, lights: &LightSet, point: &SurfacePoint, v: Vec3) -> Vec3 {
-        lights.emission(self.scene, point.triangle, point.normal, v)
+        let at = (point.triangle, point.barycentrics);
+        lights.emission(self.scene, at, point.normal, v)
     }
 }
 

@@ -118,7 +118,6 @@ impl Tracer<'_> {
 
     /// Radiance that the surface emits at a point toward `v` [W/(sr m^2)].
     pub fn emission(&self, point: &SurfacePoint, v: Vec3) -> Vec3 {
-        self.lamps
-            .emission(self.scene, point.triangle, point.normal, v)
+        self.emission_of(&self.lamps, point, v)
     }
 }

@@ -110,12 +110,15 @@ const LIFT: f32 = 4e-6;
 /// The emitting triangles of each of a scene's area lights, uncut.
 pub fn of_area_lights(scene: &Scene) -> Vec<Vec<Emitter>> {
     let mut emitters = vec![Vec::new(); scene.area_lights.len()];
-    for (triangle, &light) in scene.triangles.iter().zip(&scene.triangle_light) {
+    let columns = scene.triangles.iter().zip(&scene.triangle_light);
+    for (id, (triangle, &light)) in (0..).zip(columns) {
         let Some(area_light) = scene.area_lights.get(light as usize) else {
             continue;
         };
         let corners = triangle.map(|v| scene.positions[v as usize]);
-        let (radiance, two_sided) = (area_light.radiance, area_light.two_sided);
+        // a picture by its mean over the triangle
+        let radiance = area_light.radiance * scene.mean_share(id);
+        let two_sided = area_light.two_sided;
         emitters[light as usize].extend(Emitter::triangle(corners, radiance, two_sided));
     }
     emitters

@@ -28,6 +28,8 @@ pub(super) struct MaterialUse {
     pub(super) bends_normals: bool,
     /// Emitted radiance [W/(sr m^2)], black for none.
     pub(super) radiance: Vec3,
+    /// Texture that multiplies it, or [`INVALID`].
+    pub(super) emission_texture: u32,
     /// Emits from both sides.
     pub(super) double_sided: bool,
 }
@@ -108,6 +110,7 @@ impl<'a> Materials<'a> {
             leaves_repetition: false,
             bends_normals: false,
             radiance: Vec3::ZERO,
+            emission_texture: INVALID,
             double_sided: true,
         };
         (material, used)
@@ -150,7 +153,12 @@ impl<'a> Materials<'a> {
             // The factor is 1 where a map says which texels are metal: without it, none is.
             material.metallic = 0.0;
         }
-        let uses: Vec<TextureUse> = [base, mixed, normal].into_iter().flatten().collect();
+        let radiance = self.radiance(source, place)?;
+        let shining = source.emissive_texture.as_ref().map(TextureUse::of);
+        let shining = shining.filter(|_| radiance != Vec3::ZERO);
+        let (emission_texture, factor) = self.pictures.light(shining, place)?;
+        let uses = [base, mixed, normal, shining].into_iter().flatten();
+        let uses: Vec<TextureUse> = uses.collect();
         let used = MaterialUse {
             id: INVALID,
             uv: common_uv(&uses, place, warnings),
@@ -160,34 +168,24 @@ impl<'a> Materials<'a> {
                 .count()
                 > 0,
             bends_normals: normal.is_some(),
-            radiance: self.radiance(source, place, warnings)?,
+            radiance: radiance * factor,
+            emission_texture,
             double_sided: source.double_sided,
         };
         Ok((material, used))
     }
 
-    /// Radiance [W/(sr m^2)]: emissiveFactor * emissiveStrength, a texture by its mean.
-    fn radiance(
-        &mut self,
-        source: &json::Material,
-        place: &str,
-        warnings: &mut Warnings,
-    ) -> Result<Vec3, SceneError> {
+    /// Radiance [W/(sr m^2)]: emissiveFactor * emissiveStrength.
+    fn radiance(&self, source: &json::Material, place: &str) -> Result<Vec3, SceneError> {
         let strength = source
             .extensions
             .as_ref()
             .and_then(|extensions| extensions.emissive_strength.as_ref())
             .map_or(1.0, |strength| strength.emissive_strength.0);
-        let mut radiance = Vec3::from_array(source.emissive_factor.0) * strength;
+        let radiance = Vec3::from_array(source.emissive_factor.0) * strength;
         if !radiance.is_finite() || radiance.min_element() < 0.0 {
             let message = format!("emission {radiance} must be finite and not negative");
             return Err(self.document.error(place, message));
-        }
-        let texture = source.emissive_texture.as_ref();
-        if let Some(info) = texture.filter(|_| radiance != Vec3::ZERO) {
-            radiance *= self.pictures.mean(info.index, place)?;
-            let message = "emissive texture is replaced by its mean over the whole picture";
-            warnings.add(place, message);
         }
         Ok(radiance)
     }

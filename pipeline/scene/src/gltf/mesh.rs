@@ -209,7 +209,8 @@ fn area_light(material: &MaterialUse, name: &str, output: &mut Output) -> u32 {
         two_sided: material.double_sided,
     };
     let name = output.light_names.of_material(material.id, name);
-    output.scene.add_area_light(light, name)
+    let texture = material.emission_texture;
+    output.scene.add_area_light(light, name, texture)
 }
 
 /// Cofactor matrix times the determinant's sign.

@@ -8,7 +8,6 @@ use crate::texture::{Encoding, TextureTable, format_of};
 use crate::{INVALID, SceneError, Texture};
 use ::gltf::json;
 use ::gltf::json::Index;
-use glam::Vec3;
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -61,21 +60,27 @@ impl<'a> Pictures<'a> {
         id.map_err(|message| self.error(image, place, message))
     }
 
-    /// Mean linear colour of an sRGB texture; white of a lost one.
-    pub(super) fn mean(
+    /// Scene id of a texture that shines, or [`INVALID`] for none and for a lost one, and the
+    /// factor that it lost.
+    pub(super) fn light(
         &mut self,
-        texture: Index<json::Texture>,
+        used: Option<TextureUse>,
         place: &str,
-    ) -> Result<Vec3, SceneError> {
-        let Some(image) = self.image(texture, place)? else {
-            return Ok(Vec3::ONE);
+    ) -> Result<(u32, f32), SceneError> {
+        let Some(used) = used else {
+            return Ok((INVALID, 1.0));
+        };
+        let Some(image) = self.image(used.texture, place)? else {
+            return Ok((INVALID, 1.0));
         };
         let Some(bytes) = self.bytes(image, place)? else {
-            return Ok(Vec3::ONE);
+            return Ok((INVALID, 1.0));
         };
         let format = self.format(image);
-        let mean = self.table.mean(Encoding::Srgb, &bytes, format);
-        mean.map_err(|message| self.error(image, place, message))
+        let light = self
+            .table
+            .insert_light(image.value(), Encoding::Srgb, &bytes, format);
+        light.map_err(|message| self.error(image, place, message))
     }
 
     /// The image of a texture; one without a source that is read here is lost.

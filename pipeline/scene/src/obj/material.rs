@@ -21,6 +21,8 @@ pub(super) struct MaterialUse {
     pub(super) id: u32,
     /// Emitted radiance [W/(sr m^2)], black for none.
     pub(super) radiance: Vec3,
+    /// Texture that multiplies it, or [`INVALID`].
+    pub(super) emission_texture: u32,
     /// Needs texture coordinates.
     pub(super) is_textured: bool,
 }
@@ -91,17 +93,25 @@ impl Materials {
         if let Some(known) = self.known.get(&key) {
             return *known;
         }
-        let (material, radiance) = match key.and_then(|id| self.library.get(id)).cloned() {
-            Some(mtl) => (self.convert(&mtl, warnings), self.radiance(&mtl, warnings)),
-            None => (
-                Material::lambert("default", Vec3::splat(self.default_albedo)),
-                Vec3::ZERO,
-            ),
-        };
+        let (material, (radiance, emission_texture)) =
+            match key.and_then(|id| self.library.get(id)).cloned() {
+                Some(mtl) => (self.convert(&mtl, warnings), self.radiance(&mtl, warnings)),
+                None => (
+                    Material::lambert("default", Vec3::splat(self.default_albedo)),
+                    (Vec3::ZERO, INVALID),
+                ),
+            };
         let used = MaterialUse {
             id: self.materials.len() as u32,
             radiance,
-            is_textured: material.base_texture != INVALID || material.normal_texture != INVALID,
+            emission_texture,
+            is_textured: [
+                material.base_texture,
+                material.normal_texture,
+                emission_texture,
+            ]
+            .iter()
+            .any(|&id| id != INVALID),
         };
         self.materials.push(material);
         self.known.insert(key, used);
@@ -169,8 +179,8 @@ impl Materials {
         material
     }
 
-    /// Ke, by the mean of map_Ke. A map without Ke stands alone.
-    fn radiance(&mut self, mtl: &Mtl, warnings: &mut Warnings) -> Vec3 {
+    /// Ke, and the texture of map_Ke. A map without Ke stands alone.
+    fn radiance(&mut self, mtl: &Mtl, warnings: &mut Warnings) -> (Vec3, u32) {
         let none = if mtl.emission_map.is_some() {
             Vec3::ONE
         } else {
@@ -182,24 +192,28 @@ impl Materials {
             radiance = radiance.max(Vec3::ZERO);
         }
         if radiance == Vec3::ZERO {
-            return radiance;
+            return (radiance, INVALID);
         }
         let message = "Ke is read as radiance from the front (counter-clockwise) side";
         warnings.add(&mtl.place, message);
-        if let Some(name) = &mtl.emission_map {
-            let file = self.picture(mtl, name, warnings);
-            let mean = read(&file)
-                .map_err(|error| error.to_string())
-                .and_then(|bytes| self.textures.mean(Encoding::Srgb, &bytes, format_of(&file)));
-            match mean {
-                Ok(mean) => {
-                    warnings.add(&mtl.place, "map_Ke is replaced by its mean");
-                    radiance *= mean;
-                }
-                Err(reason) => self.lost.add(name, reason),
+        let Some(name) = &mtl.emission_map else {
+            return (radiance, INVALID);
+        };
+        let file = self.picture(mtl, name, warnings);
+        let picture = read(&file)
+            .map_err(|error| error.to_string())
+            .and_then(|bytes| {
+                let (key, format) = (file.clone(), format_of(&file));
+                self.textures
+                    .insert_light(key, Encoding::Srgb, &bytes, format)
+            });
+        match picture {
+            Ok((id, factor)) => (radiance * factor, id),
+            Err(reason) => {
+                self.lost.add(name, reason);
+                (radiance, INVALID)
             }
         }
-        radiance
     }
 
     /// The file that a material's map means.

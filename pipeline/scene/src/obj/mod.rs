@@ -107,7 +107,7 @@ fn append(
             two_sided: false,
         };
         let name = names.of_material(used.id, materials.name(used.id));
-        scene.add_area_light(light, name)
+        scene.add_area_light(light, name, used.emission_texture)
     };
     let object = scene.objects.len() as u32;
     scene.triangle_material.resize(count, used.id);

@@ -8,7 +8,8 @@ use super::params::Params;
 use super::reader::Reader;
 use super::spectrum::luminance;
 use super::state::Emission;
-use crate::AreaLight;
+use super::value::Mapping;
+use crate::{AreaLight, INVALID};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -21,18 +22,18 @@ impl Reader {
         params.ignore(&["nsamples", "samples"]);
         let mut radiance = self.emitted(params, "L")?.unwrap_or(DVec3::ONE);
         radiance *= self.light_scale(params)?;
-        if let Some(file) = params.string("filename")? {
-            let picture = self.linear_emission(file, place_of(params, "filename"))?;
-            radiance *= picture;
-        }
         let two_sided = params.bool("twosided")?.unwrap_or(false);
         let mut power = positive(params, "power")?;
-        if params.has("filename")
-            && let Some(power) = &mut power
-        {
-            // the power is that of the picture's luminance, as in pbrt
-            let level = luminance(radiance);
-            *power /= if level > 0.0 { level } else { 1.0 };
+        let mut texture = INVALID;
+        if let Some(file) = params.string("filename")? {
+            let place = place_of(params, "filename");
+            if let Some((id, factor)) = self.shining_picture(file, place)? {
+                texture = id;
+                radiance *= f64::from(factor);
+                // the power is that of the picture's mean luminance, as in pbrt
+                let level = luminance(radiance * self.pictures.mean_of(id));
+                power = power.map(|power| power / if level > 0.0 { level } else { 1.0 });
+            }
         }
         self.check_unused(params)?;
         if !radiance.as_vec3().is_finite() {
@@ -41,6 +42,7 @@ impl Reader {
         self.state.emission = Some(self.emissions.len());
         self.emissions.push(Emission {
             radiance,
+            texture,
             two_sided,
             power,
             light: None,
@@ -49,16 +51,25 @@ impl Reader {
         Ok(())
     }
 
-    /// A picture's mean stands for the picture.
-    fn linear_emission(&mut self, file: &str, place: Place) -> Read<DVec3> {
-        let Some(id) = self.linear_picture(file, place)? else {
-            return Ok(DVec3::ONE);
-        };
-        self.warn(
-            place,
-            "a light's picture is approximated by its mean colour",
-        );
-        Ok(self.pictures.mean_of(id))
+    /// Whether the emission in force has a picture, which needs texture coordinates.
+    pub fn shines_by_picture(&self) -> bool {
+        let emission = self.state.emission.and_then(|i| self.emissions.get(i));
+        emission.is_some_and(|emission| emission.texture != INVALID)
+    }
+
+    /// The emission in force for a material. A picture lies on the shape's own coordinates; where
+    /// the material's textures have others, its mean stands for it.
+    fn emission_on(&mut self, material: u32, place: Place) -> Option<Emission> {
+        let mut emission = self.emissions.get(self.state.emission?)?.clone();
+        let map = self.material_maps.get(material as usize);
+        if emission.texture != INVALID && map.is_some_and(|map| *map != Mapping::IDENTITY) {
+            let message = "a light's picture is approximated by its mean colour where the \
+                           material's texture has another mapping";
+            self.warn(place, message);
+            emission.radiance *= self.pictures.mean_of(emission.texture);
+            emission.texture = INVALID;
+        }
+        Some(emission)
     }
 
     /// The lights of a shape under the emission in force.
@@ -66,12 +77,7 @@ impl Reader {
     /// With `power`, version 4 gives each of pbrt's shapes that power, and each triangle of a
     /// mesh is such a shape, while a quadric is one: radiance = power / (pi area sides).
     pub fn lights_of(&mut self, mesh: &Mesh, quadric: bool, place: Place) -> Read<Lights> {
-        let Some(emission) = self
-            .state
-            .emission
-            .and_then(|i| self.emissions.get(i))
-            .cloned()
-        else {
+        let Some(emission) = self.emission_on(mesh.material, place) else {
             return Ok(Lights::None);
         };
         if self.recording.is_some() {
@@ -90,7 +96,7 @@ impl Reader {
                 .unwrap_or(self.scene.area_lights.len() as u32);
             if emission.light.is_none() {
                 let radiance = emission.radiance.as_vec3();
-                self.add_area_light(radiance, two_sided, &name);
+                self.add_emission(radiance, &emission, &name);
             }
             if let Some(known) = self.emission_in_force() {
                 (known.light, known.name) = (Some(light), Some(name));
@@ -118,7 +124,7 @@ impl Reader {
                     "the radiance of this light overflows: its area is too small",
                 );
             }
-            self.add_area_light(radiance, two_sided, &name);
+            self.add_emission(radiance, &emission, &name);
         }
         if let Some(known) = self.emission_in_force() {
             known.name = Some(name);
@@ -135,11 +141,12 @@ impl Reader {
         self.emissions.get_mut(index)
     }
 
-    fn add_area_light(&mut self, radiance: Vec3, two_sided: bool, name: &str) {
+    fn add_emission(&mut self, radiance: Vec3, emission: &Emission, name: &str) {
         let light = AreaLight {
             radiance,
-            two_sided,
+            two_sided: emission.two_sided,
         };
-        self.scene.add_area_light(light, name.to_owned());
+        let texture = emission.texture;
+        self.scene.add_area_light(light, name.to_owned(), texture);
     }
 }

@@ -56,7 +56,8 @@ impl Reader {
         self.add_mesh(mesh, params.place)
     }
 
-    /// Gives a textured shape the coordinates that its material's mapping makes.
+    /// Gives a textured shape, or one that shines by a picture, the coordinates that its
+    /// material's mapping makes.
     fn texture_coordinates(&self, local: &mut Local, material: u32) {
         let textured = self
             .scene
@@ -65,7 +66,7 @@ impl Reader {
             .is_some_and(|material| {
                 material.base_texture != INVALID || material.normal_texture != INVALID
             });
-        if !textured {
+        if !textured && !self.shines_by_picture() {
             return;
         }
         if local.uvs.is_empty() {

@@ -93,6 +93,8 @@ pub(super) struct Defaults {
 pub(super) struct Emission {
     /// Emitted radiance, linear sRGB; with `power` set, only its colour.
     pub radiance: DVec3,
+    /// Texture that multiplies the radiance, or `INVALID`.
+    pub texture: u32,
     /// Emits from both sides.
     pub two_sided: bool,
     /// Power of each shape in place of a radiance, version 4.

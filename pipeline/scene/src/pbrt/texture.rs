@@ -186,9 +186,36 @@ impl Reader {
         }
     }
 
-    /// A picture that is used for something else than reflectance, linear; `None` if it is lost.
+    /// A picture that a material uses for something else than colour, linear; `None` if it is
+    /// lost.
     pub fn linear_picture(&mut self, name: &str, place: Place) -> Read<Option<u32>> {
         self.picture(name, place, Encoding::Linear, false)
+    }
+
+    /// The texture of a picture that shines, at most 1, and the factor that it lost; `None` if it
+    /// is lost.
+    pub fn shining_picture(&mut self, name: &str, place: Place) -> Read<Option<(u32, f32)>> {
+        if self.lost.has(name) {
+            return Ok(None);
+        }
+        let path = self.beside(name, place);
+        let bytes = match crate::file::read(&path) {
+            Ok(bytes) => bytes,
+            Err(reason) => {
+                self.lost.add(name, reason);
+                return Ok(None);
+            }
+        };
+        let (key, format) = ((path.clone(), false), format_of(&path));
+        let added = self
+            .pictures
+            .insert_light(key, Encoding::Natural, &bytes, format);
+        added.map(Some).or_else(|reason| {
+            fault(
+                place,
+                format!("{} cannot be read: {reason}", path.display()),
+            )
+        })
     }
 
     /// The texture of a picture file, or `None` if there is none; the same file read the same

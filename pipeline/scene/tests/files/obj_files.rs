@@ -157,8 +157,10 @@ fn emission_becomes_an_area_light() {
     assert!(!scene.area_lights[0].two_sided);
     assert_eq!(scene.own_light_names(), ["a"]);
     let scene = read_with(TRIANGLE, "newmtl a\nKd 0\nKe 2 2 2\nmap_Ke p.png\n");
-    // Half of the picture is red, half is blue.
-    assert_eq!(scene.area_lights[0].radiance, Vec3::new(1.0, 0.0, 1.0));
+    // The upper half of the picture is red, the lower one blue.
+    assert_eq!(scene.area_lights[0].radiance, Vec3::splat(2.0));
+    assert_eq!(scene.emitted_share(0, [0.25, 0.25]), Vec3::X);
+    assert_eq!(scene.summary().area_lights[0].texture, Some(0));
 }
 
 #[test]

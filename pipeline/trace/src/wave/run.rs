@@ -235,7 +235,8 @@ impl Wave {
                 && triangles.density(hit.triangle) > 0.0
             {
                 // The balance heuristic against the lamp's point having been chosen.
-                let emitted = set.emission(tracer.scene, hit.triangle, normal, path.viewer);
+                let at = (hit.triangle, hit.barycentrics);
+                let emitted = set.emission(tracer.scene, at, normal, path.viewer);
                 let weight = density / (density + triangles.density(hit.triangle));
                 self.sums[path.slot as usize] += path.throughput * emitted * weight;
             }

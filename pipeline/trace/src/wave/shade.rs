@@ -109,7 +109,8 @@ impl Wave {
             self.lamps.position.set(i, point.position);
             self.lamps.normal.set(i, normal);
             self.lamps.lift[i] = tracer.facets[at.triangle as usize].lift;
-            let emitted = set.emission(tracer.scene, at.triangle, point.normal, toward);
+            let place = (at.triangle, at.barycentrics);
+            let emitted = set.emission(tracer.scene, place, point.normal, toward);
             self.lamps.radiance.set(i, emitted);
             self.lamps.density[i] = triangles.density(at.triangle);
         }

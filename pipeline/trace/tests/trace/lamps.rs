@@ -2,9 +2,9 @@
 
 use crate::scenes::{Builder, lambert};
 use crate::statistics::assert_z;
-use glam::Vec3;
+use glam::{DVec3, Vec2, Vec3};
 use rrf_sampling::{Stage, Stream};
-use rrf_scene::{INVALID, Scene};
+use rrf_scene::{INVALID, Scene, Texture};
 use rrf_trace::{Reflections, Sampling, SurfacePoint, Tracer, lamp_light};
 
 const SAMPLING: Sampling = Sampling {
@@ -71,6 +71,54 @@ fn lamps_shine_on_their_front_only_unless_two_sided() {
         let (mean, _) = direct(&tracer, point, Vec3::Z);
         assert_eq!(mean.max_element() > 0.1, two_sided, "{mean}");
     }
+}
+
+/// A lamp by its picture, against the integral over its surface by fine midpoints.
+#[test]
+fn a_picture_shines_where_it_lies() {
+    const SIDE: u32 = 32;
+    let radiance = Vec3::new(1.0, 2.0, 17.0);
+    let mut scene = under_a_rectangle(Vec3::ONE, radiance, 0.7, false);
+    let first = scene.positions.len() - 4;
+    for (k, uv) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+        .into_iter()
+        .enumerate()
+    {
+        scene.uvs[first + k] = uv.into();
+    }
+    // A bright corner in red, a ramp in green, a single texel in blue.
+    let texel = |k: u32| {
+        let (x, y) = (k % SIDE, k / SIDE);
+        let corner = f32::from(u8::from(x > 24 && y > 24));
+        Vec3::new(
+            corner,
+            x as f32 / SIDE as f32,
+            f32::from(u8::from((x, y) == (9, 20))),
+        )
+    };
+    scene.textures.push(Texture {
+        width: SIDE,
+        height: SIDE,
+        texels: (0..SIDE * SIDE).map(texel).collect(),
+    });
+    scene.area_light_textures = vec![0];
+    let tracer = Tracer::new(&scene).unwrap();
+    let point = tracer.locate(Vec3::ZERO, Vec3::Z).unwrap();
+    // Corner (-1, -0.5), u along y over 1.5, v along x over 3.
+    const STEPS: u32 = 1024;
+    let (mut sum, height) = (DVec3::ZERO, 0.7f32 as f64);
+    for (i, j) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j))) {
+        let [u, v] = [i, j].map(|k| (f64::from(k) + 0.5) / f64::from(STEPS));
+        let place = DVec3::new(-1.0 + 3.0 * v, -0.5 + 1.5 * u, height);
+        let share = scene.textures[0].sample(Vec2::new(u as f32, v as f32));
+        let squared = place.length_squared();
+        sum += share.as_dvec3() * (height * height / (squared * squared));
+    }
+    let area = 4.5 / f64::from(STEPS * STEPS);
+    let truth = radiance * (sum * area / std::f64::consts::PI).as_vec3();
+    let (mean, error) = direct(&tracer, point, Vec3::new(0.6, 0.0, 0.8));
+    // The midpoint rule errs by far less than the standard error.
+    assert_z("picture", mean, error, truth, 1e-4, 1);
 }
 
 #[test]

@@ -68,7 +68,8 @@ impl Lamp {
     /// The triangles of those of a scene's area lights that `wanted` names by their ids.
     pub fn new(scene: &Scene, wanted: impl Fn(u32) -> bool, stream: Stream) -> Lamp {
         let mut triangles = Vec::new();
-        for (corners, &light) in scene.triangles.iter().zip(&scene.triangle_light) {
+        let columns = scene.triangles.iter().zip(&scene.triangle_light);
+        for (id, (corners, &light)) in (0..).zip(columns) {
             let Some(area_light) = scene.area_lights.get(light as usize) else {
                 continue;
             };
@@ -84,7 +85,11 @@ impl Lamp {
                 centre: (a + b + c) / 3.0,
                 area,
                 edge2: edges.into_iter().fold(0.0, f32::max),
-                light: *area_light,
+                // a picture by its mean over the triangle
+                light: AreaLight {
+                    radiance: area_light.radiance * scene.mean_share(id),
+                    ..*area_light
+                },
             });
         }
         Lamp {
