@@ -11,6 +11,7 @@ mod film;
 mod pictures;
 mod points;
 mod progress;
+mod reach;
 mod run_location;
 mod scene_file;
 mod stats;

@@ -2,7 +2,7 @@
 
 use crate::args::ViewArgs;
 use crate::failure::BadInput;
-use crate::{pictures, points, progress, scene_file};
+use crate::{pictures, points, progress, reach, scene_file};
 use arrow::array::{ArrayRef, Float32Array};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
@@ -84,6 +84,9 @@ fn trace_frame(args: &TraceArgs, scene: &Scene, quiet: bool) -> anyhow::Result<(
         false => Cow::Owned(scene.unlit()),
     };
     let tracer = Tracer::new(&lit)?;
+    if lights.area {
+        reach::warn(&tracer, &scene.lights, &[view.eye]);
+    }
     let bar = progress::bar(quiet, u64::from(view.height), "trace");
     let options = PathOptions {
         spp: args.spp,

@@ -118,11 +118,14 @@ impl Reader {
     /// leaves a sky without a picture, as in version 3, with a warning.
     fn sky_map(&mut self, path: &Path, place: Place) -> Read<Option<EnvironmentMap>> {
         if !path.exists() {
-            let message = format!(
-                "{} is not there: the sky is constant in its place; put the file there, or \
-                 give --sky",
-                path.display()
-            );
+            let file = path.display();
+            let message = match self.replaces_sky {
+                true => format!("{file} is not there: --sky takes its place"),
+                false => format!(
+                    "{file} is not there: the sky is constant in its place; put the file there, \
+                     or give --sky"
+                ),
+            };
             self.warn(place, message);
             return Ok(None);
         }

@@ -1,7 +1,7 @@
 //! A sky for formats that have none, and lights by a lamp maker's profile.
 
 use crate::glb::Glb;
-use crate::support::some_triangle;
+use crate::support::{some_triangle, warns};
 use glam::Vec3;
 use rrf_lights::LightKind;
 use rrf_scene::{LightSource, LoadOptions, Scene, SceneError, SkyOption, SkySource, load};
@@ -98,6 +98,7 @@ fn a_constant_sky_changes_the_hash() {
 fn a_sky_replaces_one_that_is_missing() {
     let scene = under("a.pbrt", SkySource::Constant([1.0, 2.0, 3.0]), 0.0, b"").unwrap();
     assert_eq!(radiance(&scene, Vec3::Y), Vec3::new(1.0, 2.0, 3.0));
+    assert!(warns(&scene, "--sky takes its place"));
 }
 
 #[test]
