@@ -14,6 +14,7 @@ mod frames;
 mod judge;
 mod program;
 mod same_bits;
+mod skies;
 mod smaller;
 mod table;
 mod tasks;

@@ -1,5 +1,6 @@
 //! Requirements on every scene, whatever its format.
 
+use crate::coplanar::warn_of_coplanar;
 use crate::sanitize::sanitize;
 use crate::{INVALID, Scene, SceneError};
 use glam::{Vec2, Vec3};
@@ -27,9 +28,10 @@ pub(crate) fn validate(mut scene: Scene) -> Result<Scene, SceneError> {
         );
     }
     if !scene.has_own_lights() {
-        let message = "the scene has no lights of its own; a picture of it needs --light";
+        let message = "the scene has no lights of its own; a picture of it needs --light or --sky";
         scene.warn(message);
     }
+    warn_of_coplanar(&mut scene);
     Ok(scene)
 }
 
