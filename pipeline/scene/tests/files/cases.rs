@@ -175,6 +175,14 @@ fn a_scene_too_far_from_the_origin_is_refused() {
     );
 }
 
+#[test]
+fn a_lamp_in_the_plane_of_the_ceiling_is_said() {
+    let scene = read("bake/coplanar_lamp/a.obj");
+    let found = scene.warnings.iter().find(|w| w.place == "light \"lamp\"");
+    let message = &found.unwrap().message;
+    assert!(message.contains("(material \"ceil\")"), "{message}");
+}
+
 /// Every scene may be packed.
 #[test]
 fn packed_scenes_are_read() {
