@@ -15,6 +15,7 @@ mod reach;
 mod run_location;
 mod scene_file;
 mod stats;
+mod table_lights;
 mod trust;
 
 use clap::Parser;

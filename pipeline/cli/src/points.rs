@@ -13,8 +13,19 @@ pub fn locate(
     table: &PointsTable,
     path: &Path,
 ) -> Result<Vec<SurfacePoint>, BadInput> {
-    (0..table.len())
-        .map(|row| {
+    let all: Vec<usize> = (0..table.len()).collect();
+    locate_rows(tracer, table, &all, path)
+}
+
+/// The surface points of some rows.
+pub fn locate_rows(
+    tracer: &Tracer,
+    table: &PointsTable,
+    rows: &[usize],
+    path: &Path,
+) -> Result<Vec<SurfacePoint>, BadInput> {
+    rows.iter()
+        .map(|&row| {
             let (p, n) = (vec3(table, columns::P, row), vec3(table, columns::N, row));
             tracer.locate(p, n).ok_or_else(|| {
                 BadInput(format!(
@@ -40,6 +51,11 @@ pub fn rows(tracer: &Tracer, table: &PointsTable, located: &[SurfacePoint]) -> C
         rows.push(raw);
     }
     rows
+}
+
+/// Three columns of some rows.
+pub fn vectors_of(table: &PointsTable, first: usize, rows: &[usize]) -> Vec<Vec3> {
+    rows.iter().map(|&row| vec3(table, first, row)).collect()
 }
 
 /// Three columns of every row.

@@ -105,6 +105,13 @@ impl LightKind for GoniometricLight {
         }
     }
 
+    fn moved(&self, to: Vec3) -> Option<GoniometricLight> {
+        Some(GoniometricLight {
+            position: to,
+            ..self.clone()
+        })
+    }
+
     fn words(&self, sink: &mut dyn FnMut(u32)) {
         hash_vectors(&[self.position, self.intensity], sink);
         match &self.profile {

@@ -107,6 +107,11 @@ pub trait LightKind: Clone + PartialEq {
     /// The same light, every channel times a factor.
     fn dimmed(&self, factor: Vec3) -> Self;
 
+    /// The same light at another position, where it has one.
+    fn moved(&self, _to: Vec3) -> Option<Self> {
+        None
+    }
+
     /// Feeds every number that changes the light to a hash.
     fn words(&self, sink: &mut dyn FnMut(u32));
 

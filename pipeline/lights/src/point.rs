@@ -74,6 +74,13 @@ impl LightKind for PointLight {
         }
     }
 
+    fn moved(&self, to: Vec3) -> Option<PointLight> {
+        Some(PointLight {
+            position: to,
+            ..*self
+        })
+    }
+
     fn words(&self, sink: &mut dyn FnMut(u32)) {
         hash_vectors(&[self.position, self.intensity], sink);
     }

@@ -85,6 +85,11 @@ macro_rules! kinds {
                 match self { $(LightSource::$kind(light) => light.dimmed(factor).into(),)* }
             }
 
+            /// [`LightKind::moved`].
+            pub fn moved(&self, to: Vec3) -> Option<LightSource> {
+                match self { $(LightSource::$kind(light) => light.moved(to).map(Into::into),)* }
+            }
+
             /// Feeds the kind's name and [`LightKind::words`] to a hash.
             pub fn words(&self, sink: &mut dyn FnMut(u32)) {
                 self.kind().bytes().for_each(|byte| sink(u32::from(byte)));

@@ -159,6 +159,13 @@ impl LightKind for SpotLight {
         }
     }
 
+    fn moved(&self, to: Vec3) -> Option<SpotLight> {
+        Some(SpotLight {
+            position: to,
+            ..*self
+        })
+    }
+
     fn words(&self, sink: &mut dyn FnMut(u32)) {
         hash_vectors(&[self.position, self.axis, self.intensity], sink);
         sink(self.inner.to_bits());

@@ -72,6 +72,7 @@ fn frames(criterion: &mut Criterion) {
             })
             .collect(),
         area: false,
+        ..Lights::default()
     };
     let mut group = criterion.benchmark_group("cornell box 512x512");
     group

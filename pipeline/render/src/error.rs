@@ -61,6 +61,14 @@ pub enum RenderError {
         /// Its place in the list.
         light: usize,
     },
+    /// Another light that cannot be computed with.
+    #[error("light {name}: {reason}")]
+    Source {
+        /// Its name.
+        name: String,
+        /// The reason.
+        reason: rrf_lights::LightError,
+    },
     /// Nets know point lights only.
     #[error(
         "the scene's area lights cannot light a frame by the nets; \

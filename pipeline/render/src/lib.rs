@@ -18,7 +18,7 @@
 //! let mut view = View::from(&scene.cameras[0]);
 //! (view.width, view.height) = (24, 16);
 //! let point = PointLight { position: [0.1, 1.6, 0.2].into(), intensity: [4.0; 3].into() };
-//! let lights = Lights { points: vec![point], area: false };
+//! let lights = Lights { points: vec![point], area: false, ..Lights::default() };
 //! let options = PathOptions { spp: 4, aa: 1, seed: 1 };
 //! let frame = trace_frame(&tracer, &view, &lights, options, &|_rows| ())?;
 //! let picture = frame.picture();

@@ -52,8 +52,11 @@ pub struct RenderOptions<'a> {
     /// The scene's area lights: needed where they shine, with the scene that has them traced.
     pub area_lights: Option<&'a AreaLights>,
     /// Sampling of lights. Point lights are otherwise exact, one shadow ray each; area
-    /// lights are always sampled, by [`ShadowRays::default`] if need be.
+    /// lights, sky and sun are always sampled, by [`ShadowRays::default`] if need be.
     pub shadow_rays: Option<ShadowRays>,
+    /// Standard error of the luminance [W/(sr m²)] that the shadow rays of a pixel go on to, where
+    /// [`RenderOptions::shadow_rays`] does not fix their number; without both there are 16.
+    pub noise: Option<f32>,
     /// With it the frame has a trust layer.
     pub trusted: Option<&'a Trusted<'a>>,
     /// Borders of cells, if their nets are to be blended there. Takes the lights one by one.

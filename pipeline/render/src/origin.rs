@@ -3,6 +3,7 @@
 use crate::options::RenderOptions;
 use crate::view::{Lights, View};
 use glam::Vec3;
+use rrf_lights::OwnLight;
 use rrf_scene::PointLight;
 
 /// Attributes of a frame made by the nets.
@@ -36,8 +37,10 @@ pub(crate) fn of_trace(
 fn common(view: &View, lights: &Lights, aa: u32) -> Vec<(String, String)> {
     let point = |l: &PointLight| format!("{} {}", triple(l.position), triple(l.intensity));
     let points: Vec<String> = lights.points.iter().map(point).collect();
+    let source = |l: &OwnLight| format!("{}: {} {}", l.name, l.source.kind(), l.source.summary());
+    let sources: Vec<String> = lights.sources.iter().map(source).collect();
     let unit = "radiance W/(sr m^2), linear Rec. 709, no exposure applied";
-    vec![
+    let mut attributes = vec![
         attribute("rrf.version", env!("CARGO_PKG_VERSION")),
         attribute("rrf.unit", unit),
         attribute("rrf.eye", triple(view.eye)),
@@ -48,7 +51,11 @@ fn common(view: &View, lights: &Lights, aa: u32) -> Vec<(String, String)> {
         attribute("rrf.rays_per_pixel", format!("{aa}x{aa}")),
         attribute("rrf.point_lights", points.join("; ")),
         attribute("rrf.area_lights", if lights.area { "on" } else { "off" }),
-    ]
+    ];
+    if !sources.is_empty() {
+        attributes.push(attribute("rrf.other_lights", sources.join("; ")));
+    }
+    attributes
 }
 
 fn attribute(name: &str, value: impl ToString) -> (String, String) {

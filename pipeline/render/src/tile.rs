@@ -60,6 +60,8 @@ pub struct VisiblePoints {
     pub materials: Vec<Bsdf>,
     /// Pixel of each row, counted over the tile's band of the picture.
     pub pixel: Vec<u32>,
+    /// Pixel and direction of each ray that met nothing.
+    pub missed: Vec<(u32, Vec3)>,
     rays: Rays,
     ray_pixel: Vec<u32>,
     hits: Hits,
@@ -113,10 +115,12 @@ impl VisiblePoints {
         self.viewers.clear();
         self.materials.clear();
         self.pixel.clear();
+        self.missed.clear();
         let rays = self.rays.direction.iter().zip(&self.ray_pixel);
         let hits = self.hits.triangle.iter().zip(&self.hits.barycentrics);
         for ((&direction, &pixel), (&triangle, &barycentrics)) in rays.zip(hits) {
             if triangle == INVALID {
+                self.missed.push((pixel, direction));
                 continue;
             }
             let point = tracer.point(triangle, barycentrics);

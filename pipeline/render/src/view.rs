@@ -2,6 +2,7 @@
 
 use crate::error::RenderError;
 use glam::{Vec2, Vec3};
+use rrf_lights::OwnLight;
 use rrf_scene::{Camera, PointLight};
 
 /// A pinhole view. `right`, `up` and `forward` are unit and orthogonal, of either handedness.
@@ -120,16 +121,24 @@ pub struct Lights {
     pub points: Vec<PointLight>,
     /// The scene's own area lights shine too.
     pub area: bool,
+    /// All other lights: spots, points with a profile, sky and sun.
+    pub sources: Vec<OwnLight>,
 }
 
 impl Lights {
     /// Whether every light is at a place and shines finitely.
     pub fn check(&self) -> Result<(), RenderError> {
         let bad = |l: &PointLight| !l.position.is_finite() || !l.intensity.is_finite();
-        match self.points.iter().position(bad) {
-            Some(light) => Err(RenderError::Light { light }),
-            None => Ok(()),
+        if let Some(light) = self.points.iter().position(bad) {
+            return Err(RenderError::Light { light });
         }
+        for OwnLight { name, source } in &self.sources {
+            source.check().map_err(|reason| RenderError::Source {
+                name: name.clone(),
+                reason,
+            })?;
+        }
+        Ok(())
     }
 }
 

@@ -8,6 +8,7 @@ use rrf_field::columns;
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
+use rrf_lights::{DistantLight, Environment, Falloff, LightSource, OwnLight, SpotLight};
 use rrf_render::{
     AreaLights, Lights, OFF_CENTRE, Part, PathOptions, RenderOptions, ShadowRays, View, render,
     trace_frame,
@@ -99,6 +100,16 @@ fn field() -> Field {
 
 /// Red channels of direct frames with seeds 1, 2 ...
 fn frames(scene: &Scene, lights: &Lights, count: u32, adaptive: bool) -> Vec<Vec<f64>> {
+    let rays = ShadowRays {
+        count,
+        adaptive,
+        ..ShadowRays::default()
+    };
+    frames_by(scene, lights, rays)
+}
+
+/// As [`frames`], with any rays.
+fn frames_by(scene: &Scene, lights: &Lights, rays: ShadowRays) -> Vec<Vec<f64>> {
     let tracer = Tracer::new(scene).unwrap();
     let field = field();
     let light_box = [Vec3::splat(-1.0), Vec3::ONE];
@@ -107,11 +118,7 @@ fn frames(scene: &Scene, lights: &Lights, count: u32, adaptive: bool) -> Vec<Vec
         let options = RenderOptions {
             part: Part::Direct,
             area_lights: Some(&lamps),
-            shadow_rays: Some(ShadowRays {
-                count,
-                adaptive,
-                seed,
-            }),
+            shadow_rays: Some(ShadowRays { seed, ..rays }),
             ..RenderOptions::default()
         };
         let frame = render(&tracer, &field, &view(), lights, &options).unwrap();
@@ -198,6 +205,7 @@ fn rectangle_over_a_floor() {
     let lights = Lights {
         points: Vec::new(),
         area: true,
+        ..Lights::default()
     };
     for adaptive in [false, true] {
         let frames = frames(&lit, &lights, 10, adaptive);
@@ -223,6 +231,7 @@ fn hundred() -> (Scene, Lights) {
     let lights = Lights {
         points: points.collect(),
         area: false,
+        ..Lights::default()
     };
     (scene, lights)
 }
@@ -271,6 +280,7 @@ fn a_large_hidden_lamp_against_the_path_tracer() {
     let lights = Lights {
         points: Vec::new(),
         area: true,
+        ..Lights::default()
     };
     let tracer = Tracer::new(&lit).unwrap();
     let traced: Vec<Vec<f64>> = (1..=SEEDS)
@@ -296,6 +306,89 @@ fn a_large_hidden_lamp_against_the_path_tracer() {
     }
 }
 
+/// Thirty lamps of every strength under a ceiling of boards, a spot, a sky and a sun.
+fn many_lamps() -> (Scene, Lights) {
+    let board = |x: f32| [Vec3::new(x, -1.5, 0.5), Vec3::X * 0.4, Vec3::Y * 3.0];
+    let lamp = |k: u32| {
+        let turn = |step: f64| (f64::from(k) * step).fract() as f32;
+        let (x, y) = (
+            4.0 * turn(0.754_877_67) - 2.0,
+            4.0 * turn(0.569_840_29) - 2.0,
+        );
+        let side = 0.02 + 0.2 * turn(0.381_966_01);
+        // y by x: the lamp shines down
+        let corner = Vec3::new(x, y, 0.6 + 0.3 * turn(0.618_033_99));
+        [corner, Vec3::Y * side, Vec3::X * side]
+    };
+    let lamps: Vec<[Vec3; 3]> = (0..30).map(lamp).collect();
+    let scene = scene(&[floor(), board(-1.4), board(0.2)], &lamps, 4.0);
+    let spot = SpotLight {
+        position: Vec3::new(0.5, -0.5, 0.8),
+        axis: Vec3::NEG_Z,
+        intensity: Vec3::splat(0.2),
+        inner: 0.3,
+        outer: 0.6,
+        falloff: Falloff::Squared,
+    };
+    let sun = DistantLight {
+        diameter: 8.0,
+        ..DistantLight::sun(Vec3::new(0.5, -0.4, 0.7).normalize(), Vec3::splat(0.7))
+    };
+    let sky = Environment::constant(Vec3::splat(0.1));
+    let sources: [(&str, LightSource); 3] = [
+        ("spot", spot.into()),
+        ("sun", sun.into()),
+        ("sky", sky.into()),
+    ];
+    let lights = Lights {
+        area: true,
+        sources: sources.map(|(name, source)| own(name, source)).to_vec(),
+        ..Lights::default()
+    };
+    (scene, lights)
+}
+
+fn own(name: &str, source: LightSource) -> OwnLight {
+    OwnLight {
+        name: name.into(),
+        source,
+    }
+}
+
+/// A number of rays that follows what the first ones found biases nothing, and the noise comes
+/// down to the bound: its root mean square over pixels that have rays to spare is at most a
+/// tenth above it.
+#[test]
+fn many_lamps_down_to_a_bound() {
+    let (scene, lights) = many_lamps();
+    let tracer = Tracer::new(&scene).unwrap();
+    let traced = |seed| {
+        let options = PathOptions {
+            spp: 64,
+            aa: 1,
+            seed,
+        };
+        let frame = trace_frame(&tracer, &view(), &lights, options, &|_| {}).unwrap();
+        let direct = frame.direct.unwrap();
+        direct.iter().map(|p| f64::from(p.x)).collect()
+    };
+    let traced: Vec<Vec<f64>> = (1..=SEEDS).map(traced).collect();
+    let truth = moments(&traced);
+    for bound in [0.02f32, 0.006] {
+        let rays = ShadowRays {
+            count: 2048,
+            noise: Some(bound),
+            ..ShadowRays::default()
+        };
+        let frames = frames_by(&scene, &lights, rays);
+        assert_unbiased(&format!("bound {bound}"), &frames, &truth);
+        let found = moments(&frames);
+        let variance = found.iter().map(|(_, se2)| se2 * SEEDS as f64);
+        let noise = (variance.sum::<f64>() / found.len() as f64).sqrt();
+        assert!(noise < 1.1 * f64::from(bound), "{noise} over {bound}");
+    }
+}
+
 /// The sampled light of one point alone is the exact one, whatever the number of rays.
 #[test]
 fn one_point_light_has_no_noise() {
@@ -306,6 +399,7 @@ fn one_point_light_has_no_noise() {
             intensity: Vec3::ONE,
         }],
         area: false,
+        ..Lights::default()
     };
     let options = RenderOptions {
         part: Part::Direct,

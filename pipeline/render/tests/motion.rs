@@ -84,6 +84,7 @@ fn frames(field: &Field, places: impl Iterator<Item = Vec3>) -> Vec<Frame> {
         let lights = Lights {
             points: vec![light],
             area: false,
+            ..Lights::default()
         };
         render(&tracer, field, &view, &lights, &options).unwrap()
     };

@@ -70,6 +70,7 @@ fn lights(points: Vec<PointLight>) -> Lights {
     Lights {
         points,
         area: false,
+        ..Lights::default()
     }
 }
 
@@ -321,6 +322,7 @@ fn what_cannot_be_rendered_is_refused() {
     let area = Lights {
         points: Vec::new(),
         area: true,
+        ..Lights::default()
     };
     let refused = render(&tracer, &field, &above([4, 4]), &area, &options).unwrap_err();
     assert!(matches!(refused, RenderError::AreaLights));

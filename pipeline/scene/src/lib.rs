@@ -19,6 +19,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod adjust;
 mod coplanar;
 mod emission;
 mod error;
@@ -47,6 +48,7 @@ mod warn;
 #[cfg(test)]
 mod tests;
 
+pub use adjust::LightChangeError;
 pub use error::SceneError;
 pub use load::load;
 pub use measure::Bounds;

@@ -97,6 +97,7 @@ impl Ask {
         Lights {
             points: self.lights.iter().map(light).collect(),
             area: false,
+            ..Lights::default()
         }
     }
 }

@@ -1,13 +1,18 @@
 //! Cameras, lights and pictures, as typed; the scene's own are the defaults.
 
-use super::parse::{parse_light, parse_size, parse_vec3};
+use super::parse::{
+    LightDim, LightMove, parse_dim, parse_light, parse_move, parse_size, parse_sun, parse_vec3,
+};
 use crate::failure::BadInput;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use rrf_bake::settings::parse::positive;
+use rrf_lights::{DistantLight, LightSource, OwnLight, sky_direction};
 use rrf_metrics::tone::Exposure;
 use rrf_render::{Lights, View, position_text};
 use rrf_scene::{PointLight, Scene};
+use rrf_store::points::SUN;
+use std::borrow::Cow;
 
 /// A camera and lights; what is not given comes from the scene.
 #[derive(Args, Clone, Debug)]
@@ -33,9 +38,33 @@ pub struct CameraArgs {
     /// A point light: position and radiant intensity [W/sr] (again for more).
     #[arg(long, value_name = "x,y,z[,r,g,b]", value_parser = parse_light, allow_hyphen_values = true)]
     pub light: Vec<[f32; 6]>,
-    /// The scene's own lights shine beside those of --light.
+    /// A sun: azimuth from -z towards +x and elevation over the horizon [degrees], irradiance on a
+    /// plane that faces it [W/m²], 1 where it is not given (again for more).
+    #[arg(long, value_name = "AZ,EL[,R,G,B]", value_parser = parse_sun, allow_hyphen_values = true)]
+    pub sun: Vec<[f32; 5]>,
+    /// The scene's own lights shine beside those of --light and --sun.
     #[arg(long)]
     pub scene_lights: bool,
+    /// One of the scene's own lights times a factor a channel, 0,0,0 to turn it off (again for
+    /// more). `rrf scene` lists their names.
+    #[arg(long, value_name = "NAME=R,G,B", value_parser = parse_dim)]
+    pub dim: Vec<LightDim>,
+    /// One of the scene's own lights moved: a point or spot, or the middle of a lamp's surface
+    /// (again for more).
+    #[arg(long = "move", value_name = "NAME:X,Y,Z", value_parser = parse_move)]
+    pub moves: Vec<LightMove>,
+    /// The scene's own lights: none of them, or as other options say.
+    #[arg(long, value_enum, default_value_t = OwnLights::All, conflicts_with = "scene_lights")]
+    pub own_lights: OwnLights,
+}
+
+/// Which of the scene's own lights shine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum OwnLights {
+    /// All, unless lights are typed in their place.
+    All,
+    /// None.
+    None,
 }
 
 /// A view and the part of its light to show.
@@ -120,25 +149,70 @@ impl CameraArgs {
         Ok(view)
     }
 
-    /// The lights typed, or the scene's own.
-    pub fn lights(&self, scene: &Scene) -> Result<Lights, BadInput> {
-        let area = self.light.is_empty() || self.scene_lights;
-        if area && !scene.has_own_lights() {
-            let told = "the scene has no light; give --light x,y,z[,r,g,b]";
+    /// Whether the scene's own lights shine.
+    fn shows_own_lights(&self) -> bool {
+        let typed = !self.light.is_empty() || !self.sun.is_empty();
+        self.own_lights == OwnLights::All && (!typed || self.scene_lights)
+    }
+
+    /// The scene with its own lights dimmed and moved as typed.
+    pub fn relit<'s>(&self, scene: &'s Scene) -> Result<Cow<'s, Scene>, BadInput> {
+        if self.dim.is_empty() && self.moves.is_empty() {
+            return Ok(Cow::Borrowed(scene));
+        }
+        if !self.shows_own_lights() {
+            let told = "--dim and --move change the scene's own lights, which do not shine here: \
+                        add --scene-lights, or leave --own-lights none out";
             return Err(BadInput(told.into()));
         }
-        let own = scene.points().filter(|_| area);
+        let mut scene = scene.clone();
+        for LightDim { name, factor } in &self.dim {
+            let done = scene.dim_light(name, Vec3::from(*factor));
+            done.map_err(|error| BadInput(format!("--dim: {error}")))?;
+        }
+        for LightMove { name, to } in &self.moves {
+            let done = scene.move_light(name, Vec3::from(*to));
+            done.map_err(|error| BadInput(format!("--move: {error}")))?;
+        }
+        Ok(Cow::Owned(scene))
+    }
+
+    /// The lights typed, or the scene's own; `scene` is that of [`CameraArgs::relit`].
+    pub fn lights(&self, scene: &Scene) -> Result<Lights, BadInput> {
+        let own = self.shows_own_lights();
+        let typed = !self.light.is_empty() || !self.sun.is_empty();
+        if !typed && !(own && scene.has_own_lights()) {
+            let told = match own {
+                true => "the scene has no light; give --light x,y,z[,r,g,b] or --sun az,el[,r,g,b]",
+                false => "no light shines; give --light x,y,z[,r,g,b] or --sun az,el[,r,g,b]",
+            };
+            return Err(BadInput(told.into()));
+        }
+        let is_point = |light: &&OwnLight| matches!(light.source, LightSource::Point(_));
+        let others = scene.lights.iter().filter(|light| own && !is_point(light));
         Ok(Lights {
-            points: own.chain(self.typed()).collect(),
-            area,
+            points: scene.points().filter(|_| own).chain(self.typed()).collect(),
+            area: own,
+            sources: others.cloned().chain(self.suns()).collect(),
         })
     }
 
-    /// The lights typed.
+    /// The point lights typed.
     pub fn typed(&self) -> impl Iterator<Item = PointLight> + '_ {
         self.light.iter().map(|&[x, y, z, r, g, b]| PointLight {
             position: Vec3::new(x, y, z),
             intensity: Vec3::new(r, g, b),
+        })
+    }
+
+    /// The suns typed.
+    pub fn suns(&self) -> impl Iterator<Item = OwnLight> + '_ {
+        self.sun.iter().map(|&[azimuth, elevation, r, g, b]| {
+            let toward = sky_direction(f64::from(azimuth), f64::from(elevation));
+            OwnLight {
+                name: SUN.into(),
+                source: DistantLight::sun(toward, Vec3::new(r, g, b)).into(),
+            }
         })
     }
 }

@@ -18,6 +18,64 @@ pub fn parse_light(text: &str) -> Result<[f32; 6], String> {
     Ok(l)
 }
 
+/// A sun by azimuth, elevation and, perhaps, irradiance.
+pub fn parse_sun(text: &str) -> Result<[f32; 5], String> {
+    let sun = match text.split(',').count() {
+        2 => {
+            let [azimuth, elevation] = numbers::<2>(text)?;
+            [azimuth, elevation, 1.0, 1.0, 1.0]
+        }
+        _ => numbers::<5>(text).map_err(|e| format!("{e} (or 2 for a sun of 1 W/m²)"))?,
+    };
+    if !(-90.0..=90.0).contains(&sun[1]) {
+        return Err("the elevation is from -90 to 90 degrees".into());
+    }
+    if sun[2..].iter().any(|&x| x < 0.0) {
+        return Err("an irradiance cannot be negative".into());
+    }
+    Ok(sun)
+}
+
+/// An own light times a factor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightDim {
+    /// Its name.
+    pub name: String,
+    /// Factor a channel.
+    pub factor: [f32; 3],
+}
+
+/// `NAME=r,g,b`; a name may hold an equals sign.
+pub fn parse_dim(text: &str) -> Result<LightDim, String> {
+    let (name, factor) = text.rsplit_once('=').ok_or("needs NAME=r,g,b")?;
+    let factor = numbers::<3>(factor)?;
+    if factor.iter().any(|&x| x < 0.0) {
+        return Err("a factor cannot be negative".into());
+    }
+    Ok(LightDim {
+        name: name.to_string(),
+        factor,
+    })
+}
+
+/// An own light's new place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightMove {
+    /// Its name.
+    pub name: String,
+    /// World position.
+    pub to: [f32; 3],
+}
+
+/// `NAME:x,y,z`; a name may hold a colon.
+pub fn parse_move(text: &str) -> Result<LightMove, String> {
+    let (name, to) = text.rsplit_once(':').ok_or("needs NAME:x,y,z")?;
+    Ok(LightMove {
+        name: name.to_string(),
+        to: numbers::<3>(to)?,
+    })
+}
+
 pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let parsed = text
         .split_once('x')

@@ -63,17 +63,20 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
 }
 
 fn mitsuba(args: &ExportArgs, scene: &Scene, folder: &Path) -> anyhow::Result<()> {
+    let scene = args.camera.relit(scene)?;
+    let scene = scene.as_ref();
     let lights = args.camera.lights(scene)?;
     let camera = if args.camera.eye.is_some() || !scene.cameras.is_empty() {
         Some(camera(args.camera.view(scene)?))
     } else {
         None
     };
-    let lit = if lights.area {
+    let mut lit = if lights.area {
         scene.clone()
     } else {
         scene.unlit()
     };
+    lit.lights.extend(args.camera.suns());
     let points: Vec<_> = args.camera.typed().collect();
     for note in rrf_export::mitsuba::write_mitsuba(folder, &lit, camera.as_ref(), &points)? {
         eprintln!("warning: {note}");

@@ -8,18 +8,22 @@ use crate::pictures;
 use crate::stats::{self, Clock};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use rrf_bake::settings::parse::positive;
 use rrf_extract::VisibilityQueries;
 use rrf_field::columns::Columns;
 use rrf_metrics::color::luminance;
+use rrf_metrics::tone::Exposure;
 use rrf_render::camera_path::{Shot, read_camera_path};
 use rrf_render::{
-    Frame, PathOptions, RenderOptions, Renderer, ShadowRays, Surroundings, trace_untrusted,
+    Frame, PathOptions, RenderOptions, Renderer, ShadowRays, Surroundings, View, trace_untrusted,
 };
 use rrf_trace::Tracer;
 use std::path::PathBuf;
 
 /// Size of a path's frames where --size is not given.
 const SIZE: [u32; 2] = [512, 512];
+/// Longer side in pixels of the frame that tells the exposure.
+const SMALL: u32 = 48;
 /// Different warnings that are said in full.
 const MOST_WARNINGS: usize = 10;
 
@@ -44,9 +48,14 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub view: ViewArgs,
     /// Shadow rays of each camera ray, shared by all lights. By default point lights get one
-    /// each, and area lights 16 together; with `--light-sampling uniform` all lights 16 together.
+    /// each, and lamps, sky and sun together as many as --noise needs; with `--light-sampling
+    /// uniform` all lights 16 together.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub shadow_rays: Option<u32>,
+    /// Standard error of the direct light of lamps, sky and sun that a pixel's shadow rays go on to, as
+    /// a share of the exposure's white.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = positive, conflicts_with_all = ["shadow_rays"])]
+    pub noise: f32,
     /// Choice of a light for each shadow ray.
     #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
     pub light_sampling: LightSampling,
@@ -108,7 +117,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         Some(_) if args.output.len() == 1 => {}
         Some(_) => return Err(BadInput("--path writes one folder; give -o once".into()).into()),
     }
-    let baked = Baked::open(&args.run, args.trust.trust_error)?;
+    let mut baked = Baked::open(&args.run, args.trust.trust_error)?;
+    baked.scene = args.view.camera.relit(&baked.scene)?.into_owned();
     let shots = shots(args, &baked)?;
     let lights = &shots[0].lights;
     let tracer = Tracer::new(baked.shown(lights))?;
@@ -123,16 +133,18 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         None => None,
     };
     let trusted = |rows: &Columns| baked.trusted(rows);
-    let options = RenderOptions {
+    let mut options = RenderOptions {
         part: args.view.part(),
         aa: args.view.aa,
         area_lights: area_lights.as_ref(),
         shadow_rays: shadow_rays(args),
+        noise: None,
         // asks again for every row: not where time is measured
         trusted: (film.is_none() && args.json_stats.is_none()).then_some(&trusted),
         borders: args.blend.then_some(&baked.borders),
     };
     let renderer = Renderer::new(&tracer, &baked.field);
+    options.noise = noise(args, &renderer, &shots[0], &options)?;
     let (mut frame, mut clock) = (Frame::default(), Clock::default());
     for shot in &shots {
         for _ in 0..args.frames {
@@ -220,6 +232,41 @@ fn warn(args: &RenderArgs, baked: &Baked, tracer: &Tracer, shots: &[Shot]) -> Re
     Ok(())
 }
 
+/// The bound on the noise of direct light: a share of the exposure's white, which a small frame
+/// tells where it is not typed.
+fn noise(
+    args: &RenderArgs,
+    renderer: &Renderer,
+    shot: &Shot,
+    options: &RenderOptions,
+) -> anyhow::Result<Option<f32>> {
+    let Shot { view, lights } = shot;
+    let sampled = options.area_lights.is_some() || !lights.sources.is_empty();
+    if options.shadow_rays.is_some() || !sampled {
+        return Ok(None);
+    }
+    let exposure = match args.view.exposure() {
+        Some(exposure) => exposure,
+        None => {
+            let scale = f64::from(SMALL) / f64::from(view.width.max(view.height).max(1));
+            let side = |pixels: u32| ((f64::from(pixels) * scale) as u32).clamp(1, pixels.max(1));
+            let small = View {
+                width: side(view.width),
+                height: side(view.height),
+                ..view.clone()
+            };
+            let options = RenderOptions {
+                trusted: None,
+                ..*options
+            };
+            let mut frame = Frame::default();
+            renderer.render(&small, lights, &options, &mut frame)?;
+            Exposure::automatic(&frame.picture())
+        }
+    };
+    Ok(Some(args.noise * (-exposure.ev).exp2()))
+}
+
 /// Sampled lights, where a number of shadow rays is given or only one way is left.
 fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
     let adaptive = args.light_sampling == LightSampling::Adaptive;
@@ -228,6 +275,7 @@ fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
         None if adaptive => None,
         count => Some(ShadowRays {
             count: count.unwrap_or(standard.count),
+            noise: None,
             adaptive,
             seed: args.seed,
         }),

@@ -2,19 +2,19 @@
 
 use crate::args::ViewArgs;
 use crate::failure::BadInput;
+use crate::table_lights::{LitRows, TableLight, by_light};
 use crate::{pictures, points, progress, reach, scene_file};
 use arrow::array::{ArrayRef, Float32Array};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use indicatif::ProgressBar;
 use rrf_bake::settings::SceneOptions;
-use rrf_field::columns;
 use rrf_render::PathOptions;
-use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
 use rrf_store::Limits;
-use rrf_store::points::{check_ending, read_points, write_points};
+use rrf_store::points::{PointsTable, check_ending, read_points, write_points};
 use rrf_store::schema::Table;
-use rrf_trace::{Queries, Sampling, Tracer, indirect_with};
+use rrf_trace::{Sampling, Tracer};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,11 +31,13 @@ pub struct TraceArgs {
     /// Paths a pixel, or a point: a multiple of 16 there.
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub spp: u32,
-    /// Points table: indirect radiance at its rows instead of a picture.
-    #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "up", "mirror", "light", "scene_lights", "part", "aa", "exposure", "fov", "size"])]
+    /// Points table: indirect radiance at its rows instead of a picture. A column `light` names each
+    /// row's light: `point` (1 W/sr at l; where there is no name), `sun` (1 W/m² from direction l)
+    /// or a light of the scene.
+    #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "up", "mirror", "light", "scene_lights", "part", "aa", "exposure", "fov", "size", "sun", "dim", "moves", "own_lights"])]
     pub points: Option<PathBuf>,
-    /// Estimator of paths to the point light, with --points.
-    #[arg(long, value_enum, default_value_t = Estimator::NextEvent, requires = "points")]
+    /// Estimator of paths to points of light, with --points.
+    #[arg(long, value_enum, default_value_t = Estimator::Connected, requires = "points")]
     pub estimator: Estimator,
     /// Seed of every random number.
     #[arg(long, default_value_t = 1)]
@@ -54,7 +56,7 @@ pub enum Estimator {
     /// Next-event estimation alone: the textbook estimator, the same as other path tracers'.
     NextEvent,
     /// Connections to the light's first hits too: less noise, above all for lights near
-    /// surfaces. What extraction uses.
+    /// surfaces, and the light of mirrors.
     Connected,
 }
 
@@ -67,11 +69,11 @@ const BLOCK: usize = 64;
 pub fn run(args: &TraceArgs, quiet: bool) -> anyhow::Result<()> {
     let scene = scene_file::load(&args.scene, &args.scene_options)?;
     match &args.points {
-        Some(table) => {
-            let unlit = scene.unlit();
-            trace_points(args, &scene, &Tracer::new(&unlit)?, table, quiet)
+        Some(table) => trace_points(args, &scene, table, quiet),
+        None => {
+            let scene = args.view.camera.relit(&scene)?;
+            trace_frame(args, &scene, quiet)
         }
-        None => trace_frame(args, &scene, quiet),
     }
 }
 
@@ -84,9 +86,7 @@ fn trace_frame(args: &TraceArgs, scene: &Scene, quiet: bool) -> anyhow::Result<(
         false => Cow::Owned(scene.unlit()),
     };
     let tracer = Tracer::new(&lit)?;
-    if lights.area {
-        reach::warn(&tracer, &scene.lights, &[view.eye]);
-    }
+    reach::warn(&tracer, &lights.sources, &[view.eye]);
     let bar = progress::bar(quiet, u64::from(view.height), "trace");
     let options = PathOptions {
         spp: args.spp,
@@ -99,13 +99,7 @@ fn trace_frame(args: &TraceArgs, scene: &Scene, quiet: bool) -> anyhow::Result<(
     pictures::write(frame, &args.view, &args.output)
 }
 
-fn trace_points(
-    args: &TraceArgs,
-    scene: &Scene,
-    tracer: &Tracer,
-    input: &Path,
-    quiet: bool,
-) -> anyhow::Result<()> {
+fn trace_points(args: &TraceArgs, scene: &Scene, input: &Path, quiet: bool) -> anyhow::Result<()> {
     let [output] = args.output.as_slice() else {
         return Err(BadInput("--points writes one table; give -o once".into()).into());
     };
@@ -119,36 +113,22 @@ fn trace_points(
         .into());
     }
     let table = read_points(input, Limits::default())?;
-    let located = points::locate(tracer, &table, input)?;
-    let viewers = points::vectors(&table, columns::V);
-    let lights = points::vectors(&table, columns::L);
-    let stream = Stream::new(args.seed, Stage::Points, 0);
-    let sampling = Sampling {
-        paths: args.spp,
-        replicates: REPLICATES,
+    let groups = by_light(&table, scene, input)?;
+    let (own, other): (Vec<LitRows>, Vec<LitRows>) = groups.into_iter().partition(LitRows::is_own);
+    let mut answers = Answers {
+        mean: vec![Vec3::ZERO; table.len()],
+        error: vec![Vec3::ZERO; table.len()],
+        bar: progress::bar(quiet, table.len() as u64, "trace"),
     };
-    let estimator = match args.estimator {
-        Estimator::NextEvent => rrf_trace::Estimator::NextEvent,
-        Estimator::Connected => rrf_trace::Estimator::Connected,
-    };
-    let bar = progress::bar(quiet, table.len() as u64, "trace");
-    let mut mean = Vec::with_capacity(table.len());
-    let mut error = Vec::with_capacity(table.len());
-    for first in (0..table.len()).step_by(BLOCK) {
-        let end = (first + BLOCK).min(table.len());
-        let queries = Queries {
-            points: &located[first..end],
-            viewers: &viewers[first..end],
-            lights: &lights[first..end],
-        };
-        let estimates = indirect_with(tracer, queries, sampling, estimator, stream, first as u64)?;
-        for query in 0..estimates.len() {
-            mean.push(estimates.mean(query));
-            error.push(estimates.standard_error(query));
-        }
-        bar.inc((end - first) as u64);
+    if !other.is_empty() {
+        let unlit = scene.unlit();
+        answers.trace(args, &Tracer::new(&unlit)?, (&table, input), &other)?;
     }
-    bar.finish_and_clear();
+    if !own.is_empty() {
+        answers.trace(args, &Tracer::new(scene)?, (&table, input), &own)?;
+    }
+    answers.bar.finish_and_clear();
+    let Answers { mean, error, .. } = answers;
     let added: BTreeMap<&str, ArrayRef> = BTreeMap::from([
         ("r", channel(&mean, 0)),
         ("g", channel(&mean, 1)),
@@ -166,6 +146,46 @@ fn trace_points(
         output.display()
     );
     Ok(())
+}
+
+/// Radiance of a table's rows, and its standard error.
+struct Answers {
+    mean: Vec<Vec3>,
+    error: Vec<Vec3>,
+    bar: ProgressBar,
+}
+
+impl Answers {
+    /// Traces the rows of lights that shine in one tracer's scene.
+    fn trace(
+        &mut self,
+        args: &TraceArgs,
+        tracer: &Tracer,
+        (table, input): (&PointsTable, &Path),
+        groups: &[LitRows],
+    ) -> anyhow::Result<()> {
+        let estimator = match args.estimator {
+            Estimator::NextEvent => rrf_trace::Estimator::NextEvent,
+            Estimator::Connected => rrf_trace::Estimator::Connected,
+        };
+        let sampling = Sampling {
+            paths: args.spp,
+            replicates: REPLICATES,
+        };
+        for group in groups {
+            let light = TableLight::new(tracer, table, group, (estimator, args.seed), input)?;
+            for first in (0..group.rows.len()).step_by(BLOCK) {
+                let end = (first + BLOCK).min(group.rows.len());
+                let estimates = light.trace((first, end), sampling)?;
+                for (query, &row) in group.rows[first..end].iter().enumerate() {
+                    self.mean[row] = estimates.mean(query);
+                    self.error[row] = estimates.standard_error(query);
+                }
+                self.bar.inc((end - first) as u64);
+            }
+        }
+        Ok(())
+    }
 }
 
 fn channel(values: &[Vec3], c: usize) -> ArrayRef {

@@ -115,6 +115,7 @@ fn first_light(baked: &Baked, tracer: &Tracer, view: &View) -> anyhow::Result<Po
     let lights = Lights {
         points: vec![light],
         area: false,
+        ..Lights::default()
     };
     let options = rrf_render::RenderOptions::default();
     let frame = rrf_render::render(tracer, &baked.field, &small, &lights, &options)?;

@@ -67,6 +67,22 @@ impl Emitter {
         ]
     }
 
+    /// The three corners; a point, three times.
+    pub(crate) fn corners(&self) -> [Vec3; 3] {
+        let [e, f] = self.edges;
+        [self.corner, self.corner + e, self.corner + f]
+    }
+
+    /// The middle.
+    pub(crate) fn middle(&self) -> Vec3 {
+        self.corner + (self.edges[0] + self.edges[1]) / 3.0
+    }
+
+    /// Unit normal, where light leaves on one side only.
+    pub(crate) fn normal(&self) -> Option<Vec3> {
+        (self.normal != Vec3::ZERO && !self.two_sided).then_some(self.normal)
+    }
+
     /// The place by two numbers in [0, 1): uniform over a triangle's area (Turk, *Graphics
     /// Gems*, 1990).
     pub fn place(&self, u: [f32; 2]) -> Vec3 {

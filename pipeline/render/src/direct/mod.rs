@@ -1,10 +1,12 @@
-//! Light straight from the lights: point lights exactly, all others by sampling.
+//! Light straight from the lights: points and parallel light exactly, all others by sampling.
 
 pub(crate) mod emitter;
-mod light_choice;
+mod groups;
+mod light_tree;
 mod points;
 mod sampled;
 
+pub(crate) use groups::SampledLights;
 pub(crate) use points::PointLighting;
 pub(crate) use sampled::SampledLighting;
 pub use sampled::ShadowRays;

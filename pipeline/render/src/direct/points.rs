@@ -1,8 +1,9 @@
-//! PointLighting light of point lights: exact, one shadow ray a light.
+//! Direct light of points and of parallel light: exact, one shadow ray a light.
 
 use crate::tile::VisiblePoints;
 use crate::timings::{FrameStage, Stopwatch};
 use glam::Vec3;
+use rrf_lights::LightSource;
 use rrf_scene::PointLight;
 use rrf_trace::{Rays, Tracer};
 
@@ -20,28 +21,64 @@ pub struct PointLighting {
 impl PointLighting {
     /// Computes the light that each visible point sends to its viewer straight from the lights:
     /// Σ_k I_k f(v, l_k) cos θ_k V(x, l_k) / ‖l_k − x‖². A light on the surface itself lights it
-    /// from no direction.
+    /// from no direction. `sharp` are lights that shine from one direction each.
     pub fn shade(
         &mut self,
         tracer: &Tracer,
         seen: &VisiblePoints,
-        lights: &[PointLight],
+        (lights, sharp): (&[PointLight], &[&LightSource]),
         watch: &mut Stopwatch,
     ) {
         self.radiance.clear();
         self.radiance.resize(seen.points.len(), Vec3::ZERO);
         for light in lights {
             self.arrive(tracer, seen, light);
-            watch.end(FrameStage::Direct);
-            tracer.occluded(&self.rays, &mut self.blocked);
-            watch.end(FrameStage::ShadowRays);
-            for (&(row, radiance), &blocked) in self.arriving.iter().zip(&self.blocked) {
-                if !blocked {
-                    self.radiance[row as usize] += radiance;
-                }
-            }
+            self.gather(tracer, watch);
+        }
+        for light in sharp {
+            self.arrive_from(tracer, seen, light);
+            self.gather(tracer, watch);
         }
         watch.end(FrameStage::Direct);
+    }
+
+    /// Adds what arrives along the shadow rays that nothing blocks.
+    fn gather(&mut self, tracer: &Tracer, watch: &mut Stopwatch) {
+        watch.end(FrameStage::Direct);
+        tracer.occluded(&self.rays, &mut self.blocked);
+        watch.end(FrameStage::ShadowRays);
+        for (&(row, radiance), &blocked) in self.arriving.iter().zip(&self.blocked) {
+            if !blocked {
+                self.radiance[row as usize] += radiance;
+            }
+        }
+    }
+
+    /// Shadow rays to a light of any sharp kind.
+    fn arrive_from(&mut self, tracer: &Tracer, seen: &VisiblePoints, light: &LightSource) {
+        self.rays.clear();
+        self.arriving.clear();
+        let surface = seen.points.iter().zip(&seen.normals);
+        let surface = surface.zip(seen.viewers.iter().zip(&seen.materials));
+        for (row, ((point, &normal), (&v, material))) in (0u32..).zip(surface) {
+            let Some(arrival) = light.sample(point.position, [0.5; 2]) else {
+                continue;
+            };
+            let l = arrival.toward;
+            if point.normal.dot(l) * point.normal.dot(v) <= 0.0 {
+                continue;
+            }
+            let radiance = arrival.irradiance * material.eval(normal, v, l);
+            if radiance == Vec3::ZERO {
+                continue;
+            }
+            self.arriving.push((row, radiance));
+            let origin = tracer.lift(point.triangle, point.position, v);
+            match light.position() {
+                Some(position) => self.rays.push(origin, position - origin, 1.0),
+                None => self.rays.push(origin, l, f32::INFINITY),
+            }
+        }
     }
 
     /// Shadow rays to a light from the rows that it can light.

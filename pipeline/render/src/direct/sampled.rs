@@ -1,32 +1,41 @@
 //! Direct light by sampling the lights: the plain uniform estimator, and one that learns.
 //!
-//! Learning follows Donikian, Walter, Bala, Fernandez, Greenberg, *Accurate Direct Illumination
-//! Using Iterative Adaptive Sampling*, IEEE TVCG 12(3), 2006. Shadow rays go out in iterations.
-//! After each, every block of 8 x 8 pixels and every pixel know what its rays found from which
-//! light; the next rays choose lights by a mixture of three distributions, uniform, the block's
-//! and the pixel's. The uniform share never vanishes, so a light that was missed so far is still
-//! found, and no ray weighs more than the lights' number over that share.
+//! A visible point knows how much of each group of lights could reach it ([`super::light_tree`]).
+//! A first round of shadow rays goes out by that alone. It tells each block of 8 x 8 pixels which
+//! groups are hidden (Donikian, Walter, Bala, Fernandez, Greenberg, *Accurate Direct
+//! Illumination Using Iterative Adaptive Sampling*, IEEE TVCG 12(3), 2006), and how much the
+//! rays of each pixel differ. The second round avoids hidden groups and, where a bound on the noise
+//! is given, has as many rays as the bound needs, and counts alone.
 //!
-//! Unbiased: given what earlier iterations found, each iteration's mean is; iterations are
-//! added with weights fixed beforehand. (Weights by the variance found would not be.)
+//! Unbiased: given what the first round found, the second one's mean is; both are added with
+//! weights that are fixed before either. (A mean of all rays, whose number depends on the first
+//! ones, would not be.)
 
-use super::emitter::Emitter;
-use super::light_choice::{LightChoice, ShadowRay};
+use super::groups::{BlockVisibility, End, SampledLights};
 use crate::tile::VisiblePoints;
 use crate::timings::{FrameStage, Stopwatch};
 use glam::Vec3;
+use rrf_metrics::color::luminance;
 use rrf_sampling::{Stage, Stream};
 use rrf_trace::{Rays, Tracer};
 
-/// Shadow rays of a pixel and iteration.
-const ROUND: u32 = 4;
+/// Rays of the first round at the most.
+const FIRST: u32 = 8;
+/// Rays of the second round at the least where a bound decides.
+const SECOND: u32 = 8;
+/// Rays of a pixel at the most where a bound decides.
+const MOST: u32 = 512;
 
 /// Number and choice of shadow rays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowRays {
-    /// Shadow rays of each camera ray.
+    /// Shadow rays of each camera ray; with `noise` the most.
     pub count: u32,
-    /// Whether they learn from one another; otherwise lights are chosen uniformly.
+    /// Standard error of a pixel's luminance [W/(sr m²)] that its rays go on to, if their number is
+    /// not fixed.
+    pub noise: Option<f32>,
+    /// Whether lights are chosen by what could reach a point and what its neighbours found;
+    /// otherwise uniformly.
     pub adaptive: bool,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -36,8 +45,21 @@ impl Default for ShadowRays {
     fn default() -> ShadowRays {
         ShadowRays {
             count: 16,
+            noise: None,
             adaptive: true,
             seed: 1,
+        }
+    }
+}
+
+impl ShadowRays {
+    /// As many as a bound on the noise needs, up to [`MOST`]; the usual number without one.
+    pub fn down_to(noise: Option<f32>) -> ShadowRays {
+        let usual = ShadowRays::default();
+        ShadowRays {
+            count: noise.map_or(usual.count, |_| MOST),
+            noise,
+            ..usual
         }
     }
 }
@@ -50,123 +72,286 @@ pub struct SampledLighting {
     rays: Rays,
     blocked: Vec<bool>,
     arriving: Vec<ShadowRay>,
-    learned: LightChoice,
+    learned: BlockVisibility,
+    /// How much of each group could reach each row, row by row.
+    reach: Vec<f32>,
+    /// Sums of the round's values and of the squares of their luminances, row by row.
+    sums: Vec<Vec3>,
+    squares: Vec<f32>,
+    /// Rays of each row in the round at hand.
+    counts: Vec<u32>,
+    /// Cumulative probabilities of one row's groups.
+    upto: Vec<f32>,
+}
+
+/// A shadow ray's row and group and, unless it is blocked, radiance over its probability.
+#[derive(Clone, Copy, Debug)]
+struct ShadowRay {
+    row: u32,
+    group: u32,
+    value: Vec3,
+}
+
+/// The picture's part that is shaded: number of its first pixel, width of the picture.
+pub(crate) type Pixels = (u64, u32);
+
+/// What all rays of a tile share.
+struct Aim<'a> {
+    tracer: &'a Tracer<'a>,
+    seen: &'a VisiblePoints,
+    lights: &'a SampledLights<'a>,
+    plan: ShadowRays,
+    stream: Stream,
+    /// Number of the first pixel.
+    first: u64,
 }
 
 impl SampledLighting {
-    /// Estimates the light that each visible point sends to its viewer straight from `lights`, with
-    /// `plan.count` shadow rays. `first` is the number of the band's first pixel in the picture,
-    /// `width` the picture's: random numbers belong to pixels.
+    /// Estimates the light that each visible point sends to its viewer straight from `lights`.
+    /// Random numbers belong to pixels.
     pub fn shade(
         &mut self,
         tracer: &Tracer,
         seen: &VisiblePoints,
-        lights: &[Emitter],
+        lights: &SampledLights,
         plan: ShadowRays,
-        (first, width): (u64, u32),
+        (first, width): Pixels,
         watch: &mut Stopwatch,
     ) {
+        let rows = seen.points.len();
         self.radiance.clear();
-        self.radiance.resize(seen.points.len(), Vec3::ZERO);
+        self.radiance.resize(rows, Vec3::ZERO);
         if lights.is_empty() || plan.count == 0 {
             return;
         }
-        let rounds = rounds(plan);
-        let weights: f32 = rounds.iter().map(|round| round.weight).sum();
-        self.learned.begin(seen, lights.len(), plan.count, width);
-        let stream = Stream::new(plan.seed, Stage::Direct, 0);
-        for (number, round) in (0..).zip(&rounds) {
-            self.aim(tracer, seen, lights, stream, (number, *round), first);
-            watch.end(FrameStage::Direct);
-            tracer.occluded(&self.rays, &mut self.blocked);
-            watch.end(FrameStage::ShadowRays);
-            let share = round.weight / weights / round.rays as f32;
-            for (arriving, &blocked) in self.arriving.iter().zip(&self.blocked) {
-                if !blocked {
-                    self.radiance[arriving.row as usize] += share * arriving.value;
-                    self.learned.note(arriving);
-                }
-            }
-            if (number as usize) + 1 < rounds.len() {
-                self.learned.accumulate(round.rays);
-            }
-            watch.end(FrameStage::Direct);
+        let aim = Aim {
+            tracer,
+            seen,
+            lights,
+            plan,
+            stream: Stream::new(plan.seed, Stage::Direct, 0),
+            first,
+        };
+        self.counts.clear();
+        let Some(rounds) = Rounds::of(plan) else {
+            self.counts.resize(rows, plan.count);
+            self.round(&aim, 0, watch);
+            self.add(1.0);
+            return;
+        };
+        self.reach.clear();
+        for row in 0..rows {
+            lights.reach(seen, row, &mut self.reach);
         }
+        self.learned.begin(seen, lights.groups(), width);
+        self.counts.resize(rows, rounds.first);
+        self.round(&aim, 0, watch);
+        self.add(rounds.first_weight);
+        self.plan_second(plan, rounds, seen);
+        self.round(&aim, 1, watch);
+        self.add(1.0 - rounds.first_weight);
     }
 
-    /// One round's shadow rays.
-    fn aim(
-        &mut self,
-        tracer: &Tracer,
-        seen: &VisiblePoints,
-        lights: &[Emitter],
-        stream: Stream,
-        (number, round): (u32, Round),
-        first: u64,
-    ) {
+    /// One round's shadow rays, traced and summed.
+    fn round(&mut self, aim: &Aim, number: u32, watch: &mut Stopwatch) {
+        let rows = aim.seen.points.len();
+        self.sums.clear();
+        self.sums.resize(rows, Vec3::ZERO);
+        self.squares.clear();
+        self.squares.resize(rows, 0.0);
         self.rays.clear();
         self.arriving.clear();
         let mut before = (u32::MAX, 0);
-        for (row, point) in seen.points.iter().enumerate() {
-            let pixel = seen.pixel[row];
+        for row in 0..rows {
+            let pixel = aim.seen.pixel[row];
             before = (pixel, if pixel == before.0 { before.1 + 1 } else { 0 });
-            let index = first + u64::from(pixel);
-            let (normal, v) = (seen.normals[row], seen.viewers[row]);
-            let mixture = self.learned.mixture(row, number > 0);
-            for ray in 0..round.rays {
-                let [u, place_x, place_y, _] = stream.units(index, number << 16 | ray, before.1);
-                let chosen = (ray as f32 + u) / round.rays as f32;
-                let (light, probability) = self.learned.choose(row, mixture, chosen);
-                let Some(emitter) = lights.get(light as usize) else {
-                    continue;
-                };
-                let place = emitter.place([place_x, place_y]);
-                let to = place - point.position;
-                if point.normal.dot(to) * point.normal.dot(v) <= 0.0 {
-                    continue;
-                }
-                let arriving = emitter.arriving(place, point.position);
-                let value = seen.materials[row].eval(normal, v, to.normalize_or_zero());
-                let value = arriving * value / probability;
-                if value == Vec3::ZERO {
-                    continue;
-                }
-                self.arriving.push(ShadowRay {
-                    row: row as u32,
-                    light,
-                    value,
-                });
-                let origin = tracer.lift(point.triangle, point.position, v);
-                let end = emitter.before(place, point.position);
-                self.rays.push(origin, end - origin, 1.0);
+            self.aim_row(aim, row, number, before.1);
+        }
+        watch.end(FrameStage::Direct);
+        aim.tracer.occluded(&self.rays, &mut self.blocked);
+        watch.end(FrameStage::ShadowRays);
+        for (arriving, &blocked) in self.arriving.iter().zip(&self.blocked) {
+            let row = arriving.row as usize;
+            if !blocked {
+                let y = luminance(arriving.value);
+                self.sums[row] += arriving.value;
+                self.squares[row] += y * y;
             }
+            if aim.plan.adaptive {
+                self.learned.note(row, arriving.group as usize, !blocked);
+            }
+        }
+        watch.end(FrameStage::Direct);
+    }
+
+    /// One row's shadow rays; `sub` is its place among its pixel's.
+    fn aim_row(&mut self, aim: &Aim, row: usize, number: u32, sub: u32) {
+        let (seen, lights) = (aim.seen, aim.lights);
+        let index = aim.first + u64::from(seen.pixel[row]);
+        let total = if aim.plan.adaptive {
+            self.accumulate(lights.groups(), row, number > 0)
+        } else {
+            lights.count() as f32
+        };
+        if total.is_nan() || total <= 0.0 {
+            return;
+        }
+        let count = self.counts[row];
+        for ray in 0..count {
+            let [u, x, y, _] = aim.stream.units(index, number << 16 | ray, sub);
+            let target = ((ray as f32 + u) / count as f32).min(1.0 - 0.5 * f32::EPSILON) * total;
+            let chosen = if aim.plan.adaptive {
+                self.group_at(target, total)
+            } else {
+                Some((target as u32, 1.0 / total, 0.0))
+            };
+            let Some((group, probability, left)) = chosen else {
+                continue;
+            };
+            let end = match aim.plan.adaptive {
+                true => lights.end_in_group(seen, row, (group, left), [x, y]),
+                false => lights
+                    .end_of(seen, row, group, [x, y])
+                    .map(|end| (end, 1.0)),
+            };
+            let Some((end, share)) = end else {
+                continue;
+            };
+            self.send(aim, row, group, end, probability * share);
+        }
+    }
+
+    /// Queues the shadow ray to a light, if it could add something.
+    fn send(&mut self, aim: &Aim, row: usize, group: u32, end: End, probability: f32) {
+        let (seen, point) = (aim.seen, &aim.seen.points[row]);
+        let (normal, v) = (seen.normals[row], seen.viewers[row]);
+        if point.normal.dot(end.toward) * point.normal.dot(v) <= 0.0 {
+            return;
+        }
+        let value = seen.materials[row].eval(normal, v, end.toward);
+        let value = end.irradiance * value / probability;
+        if value == Vec3::ZERO {
+            return;
+        }
+        self.arriving.push(ShadowRay {
+            row: row as u32,
+            group,
+            value,
+        });
+        let origin = aim.tracer.lift(point.triangle, point.position, v);
+        match end.place {
+            Some(place) => self.rays.push(origin, place - origin, 1.0),
+            None => self.rays.push(origin, end.toward, f32::INFINITY),
+        }
+    }
+
+    /// Cumulative weights of a row's groups; gives their sum.
+    fn accumulate(&mut self, groups: usize, row: usize, knows: bool) -> f32 {
+        self.upto.clear();
+        let mut sum = 0.0;
+        let reach = &self.reach[row * groups..(row + 1) * groups];
+        for (group, reach) in reach.iter().enumerate() {
+            let share = if knows {
+                self.learned.share(row, group)
+            } else {
+                1.0
+            };
+            sum += reach * share;
+            self.upto.push(sum);
+        }
+        sum
+    }
+
+    /// The group at a place of the cumulative weights: number, probability, place within it.
+    fn group_at(&self, target: f32, total: f32) -> Option<(u32, f32, f32)> {
+        let last = self
+            .upto
+            .iter()
+            .rposition(|&upto| upto < total)
+            .map_or(0, |k| k + 1);
+        let group = self.upto.partition_point(|&upto| upto <= target).min(last);
+        let before = group.checked_sub(1).map_or(0.0, |k| self.upto[k]);
+        let weight = self.upto[group] - before;
+        (weight > 0.0).then(|| {
+            let left = ((target - before) / weight).clamp(0.0, 1.0 - 0.5 * f32::EPSILON);
+            (group as u32, weight / total, left)
+        })
+    }
+
+    /// Adds the round's means, times a weight.
+    fn add(&mut self, weight: f32) {
+        let sums = self.sums.iter().zip(&self.counts);
+        for (radiance, (sum, &count)) in self.radiance.iter_mut().zip(sums) {
+            if count > 0 {
+                *radiance += weight / count as f32 * *sum;
+            }
+        }
+    }
+
+    /// Rays of each row in the second round, from the variance of the first.
+    fn plan_second(&mut self, plan: ShadowRays, rounds: Rounds, seen: &VisiblePoints) {
+        let Some(noise) = plan.noise else {
+            self.counts.fill(rounds.second);
+            return;
+        };
+        let count = rounds.first as f32;
+        let variance = |row: usize| {
+            let mean = luminance(self.sums[row]) / count;
+            ((self.squares[row] - count * mean * mean) / (count - 1.0).max(1.0)).max(0.0)
+        };
+        let variances: Vec<f32> = (0..self.counts.len()).map(variance).collect();
+        for (row, &variance) in variances.iter().enumerate() {
+            self.learned.note_variance(row, variance);
+        }
+        let rays_of_pixel = rays_of_pixels(seen);
+        for (row, &own) in variances.iter().enumerate() {
+            // a pixel's rays may have missed what its neighbours found
+            let variance = own.max(self.learned.variance(row));
+            let bound = noise * noise * rays_of_pixel[row] as f32;
+            let wanted = (variance / bound).ceil();
+            let most = plan.count.saturating_sub(rounds.first).max(1);
+            self.counts[row] = (wanted as u32).clamp(SECOND.min(most), most);
         }
     }
 }
 
-/// A round of shadow rays and its weight in the mean.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Round {
-    rays: u32,
-    weight: f32,
+/// How many rows share each row's pixel: a pixel's rows stand together.
+fn rays_of_pixels(seen: &VisiblePoints) -> Vec<u32> {
+    let mut rays = Vec::with_capacity(seen.pixel.len());
+    for pixel in seen.pixel.chunk_by(|a, b| a == b) {
+        rays.resize(rays.len() + pixel.len(), pixel.len() as u32);
+    }
+    rays
 }
 
-/// One round of all the rays, or rounds of [`ROUND`], later ones weighing more: they know more.
-fn rounds(plan: ShadowRays) -> Vec<Round> {
-    if !plan.adaptive {
-        return vec![Round {
-            rays: plan.count,
-            weight: 1.0,
-        }];
-    }
-    let count = plan.count.div_ceil(ROUND);
-    let rays = |k: u32| (plan.count - k * ROUND).min(ROUND);
-    (0..count)
-        .map(|k| Round {
-            rays: rays(k),
-            weight: rays(k) as f32 * (k as f32 + 0.25),
+/// Rays of two rounds, and the weight of the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rounds {
+    first: u32,
+    second: u32,
+    first_weight: f32,
+}
+
+impl Rounds {
+    /// `None`: one round of all the rays, which learns nothing.
+    fn of(plan: ShadowRays) -> Option<Rounds> {
+        if !plan.adaptive {
+            return None;
+        }
+        let first = (plan.count * 3 / 8).clamp(1, FIRST);
+        let second = plan.count.saturating_sub(first);
+        // rays of the second round are taken to be worth two of the first
+        let weight = 0.5 * first as f32 / (0.5 * first as f32 + second as f32);
+        Some(Rounds {
+            first,
+            second,
+            first_weight: match plan.noise {
+                // its few rays would be the noisiest part of a long mean
+                Some(_) if second > 0 => 0.0,
+                _ => weight,
+            },
         })
-        .collect()
+    }
 }
 
 #[cfg(test)]
@@ -176,16 +361,14 @@ mod tests {
     #[test]
     fn rounds_have_all_the_rays() {
         for count in 1..40 {
-            for adaptive in [false, true] {
-                let plan = ShadowRays {
-                    count,
-                    adaptive,
-                    seed: 1,
-                };
-                let rounds = rounds(plan);
-                assert_eq!(rounds.iter().map(|r| r.rays).sum::<u32>(), count);
-                assert!(rounds.iter().all(|r| r.rays > 0 && r.weight > 0.0));
-            }
+            let plan = ShadowRays {
+                count,
+                ..ShadowRays::default()
+            };
+            let rounds = Rounds::of(plan).unwrap();
+            assert_eq!(rounds.first + rounds.second, count);
+            assert!(rounds.first > 0);
+            assert_eq!(rounds.second == 0, rounds.first_weight == 1.0);
         }
     }
 }

@@ -100,11 +100,11 @@ fn shot(names: &[&str], fields: &[&str], size: [u32; 2]) -> Result<Shot, String>
     }
     let view = View::look_at(eye, target, up, fov, size);
     view.check().map_err(|error| error.to_string())?;
-    let area = false;
-    Ok(Shot {
-        view,
-        lights: Lights { points, area },
-    })
+    let lights = Lights {
+        points,
+        ..Lights::default()
+    };
+    Ok(Shot { view, lights })
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ mod blend;
 mod layers;
 
 use crate::direct::emitter::Emitter;
-use crate::direct::{PointLighting, SampledLighting};
+use crate::direct::{PointLighting, SampledLighting, SampledLights, ShadowRays};
 use crate::error::RenderError;
 use crate::frame::Frame;
 use crate::options::{RenderOptions, Trusted};
@@ -20,6 +20,7 @@ use layers::{Band, Layers};
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_field::{EvaluationTimings, Field, Light, LitField, Workspace};
+use rrf_lights::LightSource;
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
 use std::sync::{Mutex, MutexGuard};
@@ -49,8 +50,10 @@ struct Job<'f> {
     view: &'f View,
     /// Point lights by exact shadow rays.
     points: &'f [PointLight],
+    /// Lights of other kinds that shine from one direction each, exact too.
+    sharp: Vec<&'f LightSource>,
     /// Lights to be sampled.
-    emitters: Vec<Emitter>,
+    sampled: SampledLights<'f>,
     /// Whether surfaces may shine themselves.
     emission: bool,
     /// The nets under their point lights.
@@ -144,11 +147,15 @@ impl<'a> Renderer<'a> {
         let proxies = area_lights.iter().flat_map(|area| area.points());
         let of_nets: Vec<Light> = of_nets.chain(proxies).collect();
         let side = options.aa.max(1);
+        let emitters = sampled.iter().map(Emitter::from).chain(pieces);
+        let sources = lights.sources.iter().map(|light| &light.source);
+        let (visible, sharp): (Vec<_>, Vec<_>) = sources.partition(|s| s.is_visible());
         Ok(Job {
             tracer: self.tracer,
             view,
             points: exact,
-            emitters: sampled.iter().map(Emitter::from).chain(pieces).collect(),
+            sharp,
+            sampled: SampledLights::new(emitters.collect(), visible),
             emission: area_lights.is_some(),
             lit: self.field.under(&of_nets),
             options,
@@ -189,20 +196,27 @@ impl Job<'_> {
         let (seen, watch) = (&work.seen, &mut work.watch);
         watch.end(FrameStage::Resolve);
         let exact = &mut work.point_lighting;
-        exact.shade(self.tracer, seen, self.points, watch);
+        exact.shade(self.tracer, seen, (self.points, &self.sharp), watch);
         self.add(band.direct, seen, exact.radiance.iter().copied());
-        if !self.emitters.is_empty() {
+        if !self.sampled.is_empty() {
             watch.end(FrameStage::Resolve);
-            let plan = self.options.shadow_rays.unwrap_or_default();
+            let options = self.options;
+            let plan = options
+                .shadow_rays
+                .unwrap_or_else(|| ShadowRays::down_to(options.noise));
             let first = u64::from(tile.y) * u64::from(self.view.width);
             let (sampled, pixels) = (&mut work.sampled_lighting, (first, self.view.width));
-            sampled.shade(self.tracer, seen, &self.emitters, plan, pixels, watch);
+            sampled.shade(self.tracer, seen, &self.sampled, plan, pixels, watch);
             self.add(band.direct, seen, sampled.radiance.iter().copied());
         }
         if self.emission {
             let shining = seen.points.iter().zip(&seen.viewers);
             let emitted = shining.map(|(point, &v)| self.tracer.emission(point, v));
             self.add(band.direct, seen, emitted);
+        }
+        for &(pixel, direction) in &seen.missed {
+            let from_afar: Vec3 = self.sampled.far.iter().map(|s| s.radiance(direction)).sum();
+            band.direct[pixel as usize] += self.weight * from_afar;
         }
         watch.end(FrameStage::Resolve);
     }

@@ -7,7 +7,7 @@ use crate::view::{Lights, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_sampling::Stage;
-use rrf_trace::{TraceError, Tracer};
+use rrf_trace::{Reflections, TraceError, Tracer};
 
 /// Replaces the indirect light of every pixel whose trust is below 1 by that of paths, and sets its
 /// cell to none. Gives the number of pixels. A frame without trust or indirect layer stays as it
@@ -60,12 +60,20 @@ fn trace_row(paths: &Paths, y: u32, trust: &[f32]) -> Result<Vec<(usize, Vec3)>,
     let points: Vec<_> = chosen.iter().map(|&i| seen.points[i]).collect();
     let viewers: Vec<Vec3> = chosen.iter().map(|&i| seen.viewers[i]).collect();
     let mut sums = vec![None; trust.len()];
-    for (k, light) in (0..).zip(&paths.lights.points) {
+    for (k, light) in (0..).zip(paths.alone) {
         let estimates = paths.of_point_light((k, light), &points, &viewers, y)?;
         for (query, &i) in chosen.iter().enumerate() {
             let [a, b] = estimates.halves(query);
             let value = 0.5 * paths.weight() * (a + b) * light.intensity;
             let sum = &mut sums[seen.pixel[i] as usize];
+            *sum = Some(sum.unwrap_or(Vec3::ZERO) + value);
+        }
+    }
+    if !paths.indirect.is_dark() {
+        let estimates = paths.of_other_lights(Reflections::More, &points, &viewers, y)?;
+        for (query, &i) in chosen.iter().enumerate() {
+            let sum = &mut sums[seen.pixel[i] as usize];
+            let value = paths.weight() * estimates.mean(query);
             *sum = Some(sum.unwrap_or(Vec3::ZERO) + value);
         }
     }

@@ -20,17 +20,11 @@ use rrf_metrics::relative::EPSILON_SHARE;
 use rrf_sampling::Stage;
 use rrf_trace::{Reflections, TraceError, Tracer};
 
-/// Streams of the area lights: their light by one reflection, and by more.
-const AREA_LIGHTS: [(Reflections, u32); 2] = [
-    (Reflections::One, u32::MAX),
-    (Reflections::More, u32::MAX - 1),
-];
-
 /// Two independent halves of a row's pixels: direct light, then indirect.
 type Row = [[Vec<Vec3>; 2]; 2];
 
-/// Renders `view` by path tracing: direct light of point lights exactly, every other light by
-/// paths. A pixel is the mean of two independent halves, which tell the frame's own noise
+/// Renders `view` by path tracing: direct light of few sharp lights exactly, all other light
+/// by paths. A pixel is the mean of two independent halves, which tell the frame's own noise
 /// (attribute `rrf.relative_noise`). `progress` is told how many rows of pixels were done.
 pub fn trace_frame(
     tracer: &Tracer,
@@ -70,7 +64,7 @@ pub fn trace_frame(
 
 /// One row of pixels.
 fn trace_row(paths: &Paths, y: u32) -> Result<Row, TraceError> {
-    let (seen, lights) = (paths.visible(y), paths.lights);
+    let seen = paths.visible(y);
     let mut row: Row = Default::default();
     for half in row.iter_mut().flatten() {
         half.resize(paths.view.width as usize, Vec3::ZERO);
@@ -85,30 +79,36 @@ fn trace_row(paths: &Paths, y: u32) -> Result<Row, TraceError> {
         }
     };
     let mut exact = PointLighting::default();
+    let (points, sharp) = (paths.exact.0, paths.exact.1.as_slice());
     exact.shade(
         paths.tracer,
         &seen,
-        &lights.points,
+        (points, sharp),
         &mut Stopwatch::default(),
     );
     add(0, &|point| [exact.radiance[point]; 2]);
-    for (k, light) in (0..).zip(&lights.points) {
+    for (k, light) in (0..).zip(paths.alone) {
         let estimates = paths.of_point_light((k, light), &seen.points, &seen.viewers, y)?;
         add(1, &|point| {
             estimates.halves(point).map(|v| v * light.intensity)
         });
     }
-    if lights.area {
-        for (part, (reflections, stream)) in AREA_LIGHTS.into_iter().enumerate() {
-            let estimates = paths.of_area_lights(reflections, stream, &seen, y)?;
-            add(part, &|point| estimates.halves(point));
-        }
-        let emission = |point: usize| {
-            paths
-                .tracer
-                .emission(&seen.points[point], seen.viewers[point])
-        };
-        add(0, &|point| [emission(point); 2]);
+    for (part, reflections) in [Reflections::One, Reflections::More]
+        .into_iter()
+        .enumerate()
+    {
+        let estimates = paths.of_other_lights(reflections, &seen.points, &seen.viewers, y)?;
+        add(part, &|point| estimates.halves(point));
+    }
+    add(0, &|point| {
+        let (place, viewer) = (&seen.points[point], seen.viewers[point]);
+        [paths.tracer.emission_of(&paths.direct, place, viewer); 2]
+    });
+    for &(pixel, direction) in &seen.missed {
+        let sky = paths.weight() * paths.direct.radiance_from_afar(direction);
+        let [a, b] = &mut row[0];
+        a[pixel as usize] += sky;
+        b[pixel as usize] += sky;
     }
     Ok(row)
 }

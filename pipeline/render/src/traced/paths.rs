@@ -4,12 +4,17 @@ use crate::error::RenderError;
 use crate::tile::VisiblePoints;
 use crate::view::{Lights, View};
 use glam::Vec3;
+use rrf_lights::LightSource;
 use rrf_sampling::{Stage, Stream};
 use rrf_scene::PointLight;
 use rrf_trace::{
-    Estimates, Queries, Reflections, Sampling, SurfacePoint, TraceError, Tracer, indirect,
-    lamp_light,
+    Estimates, Estimator, Illumination, LightSet, Queries, Reflections, Sampling, SurfacePoint,
+    TraceError, Tracer, indirect, own_light,
 };
+
+/// Most lights that are exact, and most points that have paths of their own; of more, paths
+/// choose one each.
+const MOST_ALONE: usize = 10;
 
 /// Number and seed of a view's paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +31,13 @@ pub struct PathOptions {
 pub(super) struct Paths<'a> {
     pub(super) tracer: &'a Tracer<'a>,
     pub(super) view: &'a View,
-    pub(super) lights: &'a Lights,
+    /// Lights whose direct light is exact: points, and other sharp ones.
+    pub(super) exact: (&'a [PointLight], Vec<&'a LightSource>),
+    /// Points that have paths of their own.
+    pub(super) alone: &'a [PointLight],
+    /// All others, whose direct light goes by paths, and whose indirect light does.
+    pub(super) direct: LightSet,
+    pub(super) indirect: LightSet,
     pub(super) aa: u32,
     sampling: Sampling,
     seed: u64,
@@ -50,10 +61,29 @@ impl<'a> Paths<'a> {
         if samples == 0 || !samples.is_multiple_of(2 * aa * aa) {
             return Err(RenderError::Samples { samples, aa });
         }
+        let points = lights.points.as_slice();
+        let sources = || lights.sources.iter().map(|light| &light.source);
+        let (visible, sharp): (Vec<_>, Vec<_>) = sources().partition(|s| s.is_visible());
+        let dark = vec![Vec3::ZERO; tracer.scene().area_lights.len()];
+        let dims = (!lights.area).then_some(dark.as_slice());
+        let as_sources = points.iter().map(|&light| LightSource::from(light));
+        let few = points.len() <= MOST_ALONE;
+        let together = as_sources.clone().filter(|_| !few);
+        let indirect = tracer.light_set(dims, sources().cloned().chain(together))?;
+        let (exact, direct) = if points.len() + sharp.len() <= MOST_ALONE {
+            let visible = visible.into_iter().cloned();
+            ((points, sharp), tracer.light_set(dims, visible)?)
+        } else {
+            let all = sources().cloned().chain(as_sources);
+            (([].as_slice(), Vec::new()), tracer.light_set(dims, all)?)
+        };
         Ok(Paths {
             tracer,
             view,
-            lights,
+            exact,
+            alone: if few { points } else { &[] },
+            direct,
+            indirect,
             aa,
             sampling: Sampling {
                 paths: samples / (aa * aa),
@@ -105,22 +135,31 @@ impl<'a> Paths<'a> {
         )
     }
 
-    /// Light of all area lights, by stream `stream`, at points of row `y`.
-    pub(super) fn of_area_lights(
+    /// Light by one reflection or by more of all lights that have no paths of their own, at points
+    /// of row `y`.
+    pub(super) fn of_other_lights(
         &self,
         reflections: Reflections,
-        stream: u32,
-        seen: &VisiblePoints,
+        points: &[SurfacePoint],
+        viewers: &[Vec3],
         y: u32,
     ) -> Result<Estimates, TraceError> {
-        let (points, viewers) = (&seen.points, &seen.viewers);
-        let stream = Stream::new(self.seed, self.stage, stream);
+        let (lights, number) = match reflections {
+            Reflections::One => (&self.direct, u32::MAX),
+            Reflections::More => (&self.indirect, u32::MAX - 1),
+        };
+        let illumination = Illumination {
+            lights,
+            reflections,
+            estimator: Estimator::Connected,
+        };
+        let stream = Stream::new(self.seed, self.stage, number);
         let (sampling, first) = (self.sampling, self.first(y));
-        lamp_light(
+        own_light(
             self.tracer,
+            illumination,
             points,
             viewers,
-            reflections,
             sampling,
             stream,
             first,

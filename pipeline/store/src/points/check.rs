@@ -2,14 +2,19 @@
 
 use crate::error::StoreError;
 use crate::table::TableRows;
+use arrow::array::AsArray;
 use arrow::datatypes::{DataType, Float32Type, Float64Type};
-use rrf_field::columns::{GEOMETRY, N, NAMES, V};
+use rrf_field::columns::{GEOMETRY, L, N, NAMES, V};
 
 /// Off unit length by more than this is worth telling.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// The twelve columns, and how many rows had to be scaled to unit length.
-pub(crate) fn geometry(rows: &TableRows) -> Result<([Vec<f32>; GEOMETRY], usize), StoreError> {
+/// The twelve columns, and how many rows had to be scaled to unit length; l is not read in rows
+/// whose light is the scene's own.
+pub(crate) fn geometry(
+    rows: &TableRows,
+    own_light: &[bool],
+) -> Result<([Vec<f32>; GEOMETRY], usize), StoreError> {
     let mut columns: [Vec<f32>; GEOMETRY] = Default::default();
     let missing: Vec<&str> = NAMES
         .iter()
@@ -22,31 +27,46 @@ pub(crate) fn geometry(rows: &TableRows) -> Result<([Vec<f32>; GEOMETRY], usize)
             .source
             .schema_error(format!("missing: {}", missing.join(" "))));
     }
-    for (name, column) in NAMES.iter().zip(&mut columns) {
-        *column = read_column(rows, name)?;
+    for (c, (name, column)) in NAMES.iter().zip(&mut columns).enumerate() {
+        let unread = |row: usize| c >= L && own_light.get(row).copied().unwrap_or(false);
+        *column = read_column(rows, name, unread)?;
     }
     let rescaled = normalise(&mut columns, rows)?;
     Ok((columns, rescaled))
 }
 
-fn read_column(rows: &TableRows, name: &str) -> Result<Vec<f32>, StoreError> {
-    let values: Vec<f32> = match rows.array(name)?.data_type() {
-        DataType::Float32 => rows.numbers::<Float32Type>(name)?.to_vec(),
+/// A column of finite numbers; zero in rows that are not read.
+fn read_column(
+    rows: &TableRows,
+    name: &str,
+    unread: impl Fn(usize) -> bool,
+) -> Result<Vec<f32>, StoreError> {
+    let array = rows.array(name)?;
+    let values: Vec<Option<f32>> = match array.data_type() {
+        DataType::Float32 => array.as_primitive::<Float32Type>().iter().collect(),
         DataType::Float64 => {
-            let values = rows.numbers::<Float64Type>(name)?;
-            values.iter().map(|&x| x as f32).collect()
+            let values = array.as_primitive::<Float64Type>().iter();
+            values.map(|x| x.map(|x| x as f32)).collect()
         }
         other => {
             let difference = format!("column {name}: expected float32 or float64, found {other}");
             return Err(rows.source.schema_error(difference));
         }
     };
-    match values.iter().position(|x| !x.is_finite()) {
-        None => Ok(values),
-        Some(row) => Err(rows
-            .source
-            .bad_value(name, row, "not a finite float32".into())),
-    }
+    let read = values.into_iter().enumerate().map(|(row, value)| {
+        if unread(row) {
+            return Ok(0.0);
+        }
+        match value {
+            Some(x) if x.is_finite() => Ok(x),
+            Some(_) => {
+                let reason = "not a finite float32".into();
+                Err(rows.source.bad_value(name, row, reason))
+            }
+            None => Err(rows.null(name, row)),
+        }
+    });
+    read.collect()
 }
 
 /// Scales n and v to unit length, and finds rows whose viewer is below the surface.

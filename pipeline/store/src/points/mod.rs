@@ -1,6 +1,7 @@
 //! Tables of points: queries in, the same rows with answers out. `.parquet` or Arrow by ending.
 
 mod check;
+mod lights;
 
 use crate::atomic::atomic_write;
 use crate::error::StoreError;
@@ -12,6 +13,8 @@ use crate::table::{Source, TableRow, TableRows};
 use arrow::array::{ArrayRef, RecordBatch};
 use arrow::datatypes::{FieldRef, Schema, SchemaRef};
 use check::geometry;
+pub use lights::{POINT, SUN};
+use lights::{lights, own_lights};
 use rrf_field::columns::GEOMETRY;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -28,6 +31,10 @@ pub struct PointsTable {
     /// `geometry[c][row]`: p, n, v, l in the order of [`rrf_field::columns::NAMES`]; world
     /// frame, metres; n and v scaled to unit length.
     pub geometry: [Vec<f32>; GEOMETRY],
+    /// Names of lights in column `light`: [`POINT`], then others in the order of their first row.
+    pub light_names: Vec<String>,
+    /// Each row's light in `light_names`.
+    pub light: Vec<u32>,
     /// Rows whose n or v was off unit length by more than one in a thousand.
     pub rescaled_rows: usize,
 }
@@ -56,7 +63,7 @@ enum Format {
 /// # Errors
 /// [`StoreError::BadValue`] naming column and row for a null, a number that is not finite, a
 /// normal or viewer direction of length zero, and a viewer below the surface (n . v <= 0: the
-/// normal must be on the side that is seen); [`StoreError::Schema`], [`StoreError::Io`],
+/// normal must be on the side that is seen), a sun without a direction; [`StoreError::Schema`], [`StoreError::Io`],
 /// [`StoreError::Corrupt`], [`StoreError::TooLarge`], [`StoreError::UnknownFormat`].
 pub fn read_points(path: &Path, limits: Limits) -> Result<PointsTable, StoreError> {
     let batch = read(path, limits)?;
@@ -84,10 +91,13 @@ pub fn read_points(path: &Path, limits: Limits) -> Result<PointsTable, StoreErro
         batch: &batch,
         source,
     };
-    let (geometry, rescaled_rows) = geometry(&rows)?;
+    let (light_names, light) = lights(&rows)?;
+    let (geometry, rescaled_rows) = geometry(&rows, &own_lights(&light_names, &light))?;
     Ok(PointsTable {
         batch,
         geometry,
+        light_names,
+        light,
         rescaled_rows,
     })
 }

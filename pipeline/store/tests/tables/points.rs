@@ -2,10 +2,10 @@
 
 use crate::made;
 use arrow::array::{
-    ArrayRef, AsArray, BooleanArray, Float32Array, Float64Array, RecordBatch, StringArray,
-    UInt32Array,
+    ArrayRef, AsArray, BooleanArray, DictionaryArray, Float32Array, Float64Array, LargeStringArray,
+    RecordBatch, StringArray, UInt32Array,
 };
-use arrow::datatypes::{Field, Float32Type, Schema};
+use arrow::datatypes::{Field, Float32Type, Int32Type, Schema};
 use rrf_field::columns::{GEOMETRY, NAMES};
 use rrf_store::Limits;
 use rrf_store::StoreError;
@@ -218,4 +218,38 @@ fn long_normals_are_scaled_and_counted() {
     let points = read_points(&path, Limits::default()).unwrap();
     assert_eq!(points.geometry[5], [1.0; 3]);
     assert_eq!(points.rescaled_rows, 2);
+}
+
+/// Names of lights in any encoding; rows without one have the point; l is not read where an own
+/// light shines.
+#[test]
+fn lights_are_named_row_by_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let names = [Some("sky"), None, Some("sun"), Some("sky"), Some("point")];
+    let plain: ArrayRef = Arc::new(StringArray::from(names.to_vec()));
+    let kinds = [
+        plain.clone(),
+        Arc::new(LargeStringArray::from(names.to_vec())),
+        Arc::new(names.into_iter().collect::<DictionaryArray<Int32Type>>()),
+    ];
+    let lx = [f32::NAN, 1.0, 2.0, f32::NAN, 3.0].map(|x| (!x.is_nan()).then_some(x));
+    let lx: ArrayRef = Arc::new(Float32Array::from(lx.to_vec()));
+    for (number, names) in kinds.into_iter().enumerate() {
+        let path = folder.path().join(format!("{number}.arrow"));
+        let batch = batch(5, Some(("lx", lx.clone())));
+        let mut columns: Vec<(String, ArrayRef)> = (batch.schema().fields().iter())
+            .zip(batch.columns())
+            .map(|(field, column)| (field.name().clone(), column.clone()))
+            .collect();
+        columns.push(("light".into(), names));
+        save(&path, &RecordBatch::try_from_iter(columns).unwrap());
+        let points = read_points(&path, Limits::default()).unwrap();
+        assert_eq!(points.light_names, ["point", "sky", "sun"]);
+        assert_eq!(points.light, [1, 0, 2, 1, 0]);
+        assert_eq!(points.geometry[9], [0.0, 1.0, 2.0, 0.0, 3.0]);
+    }
+    let path = folder.path().join("none.arrow");
+    save(&path, &batch(2, None));
+    let points = read_points(&path, Limits::default()).unwrap();
+    assert_eq!((points.light_names.len(), points.light), (1, vec![0, 0]));
 }
