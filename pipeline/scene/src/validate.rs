@@ -177,7 +177,7 @@ fn check_origin(scene: &mut Scene) -> Result<(), SceneError> {
     let extent = (high - low).max_element();
     let distance = low.abs().max(high.abs()).max_element();
     let step = distance * f32::EPSILON;
-    if !(extent > 0.0) || step * FEW <= extent {
+    if extent.is_nan() || extent <= 0.0 || step * FEW <= extent {
         return Ok(());
     }
     let message = format!(
