@@ -137,7 +137,7 @@ impl<'a> Source<'a> {
     }
 
     /// Light that arrives from afar at a row's path, by three numbers in [0, 1).
-    pub(crate) fn from_afar(&self, row: &Row, at: Vec3, u: [f32; 3]) -> Option<Arrival> {
+    pub(crate) fn arrival_from_afar(&self, row: &Row, at: Vec3, u: [f32; 3]) -> Option<Arrival> {
         match self {
             Source::Point { .. } => None,
             Source::Sun => sun(row).sample(at, [u[1], u[2]]),
@@ -146,7 +146,7 @@ impl<'a> Source<'a> {
     }
 
     /// Radiance that a row's path meets from afar, by the balance heuristic of its direction's
-    /// density against [`Source::from_afar`].
+    /// density against [`Source::arrival_from_afar`].
     pub(crate) fn met(&self, row: &Row, at: Vec3, toward: Vec3, density: f32) -> Vec3 {
         match self {
             Source::Point { .. } => Vec3::ZERO,
