@@ -215,8 +215,7 @@ impl Job<'_> {
             self.add(band.direct, seen, emitted);
         }
         for &(pixel, direction) in &seen.missed {
-            let from_afar: Vec3 =
-                self.sampled.far.iter().map(|s| s.radiance(direction)).sum();
+            let from_afar: Vec3 = self.sampled.far.iter().map(|s| s.radiance(direction)).sum();
             band.direct[pixel as usize] += self.weight * from_afar;
         }
         watch.end(FrameStage::Resolve);
