@@ -82,7 +82,7 @@ pub struct TableLight<'a> {
 enum Shining {
     Point,
     Sun,
-    Own(LightSet),
+    Own(Box<LightSet>),
 }
 
 impl<'a> TableLight<'a> {
@@ -109,7 +109,7 @@ impl<'a> TableLight<'a> {
                 }
                 Shining::Sun
             }
-            name => Shining::Own(own_set(tracer, name)?),
+            name => Shining::Own(Box::new(own_set(tracer, name)?)),
         };
         Ok(TableLight {
             tracer,

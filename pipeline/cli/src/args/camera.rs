@@ -181,7 +181,7 @@ impl CameraArgs {
     pub fn lights(&self, scene: &Scene) -> Result<Lights, BadInput> {
         let own = self.shows_own_lights();
         let typed = !self.light.is_empty() || !self.sun.is_empty();
-        if !typed && !(own && scene.has_own_lights()) {
+        if !(typed || own && scene.has_own_lights()) {
             let told = match own {
                 true => "the scene has no light; give --light x,y,z[,r,g,b] or --sun az,el[,r,g,b]",
                 false => "no light shines; give --light x,y,z[,r,g,b] or --sun az,el[,r,g,b]",
