@@ -53,7 +53,7 @@ fn common(view: &View, lights: &Lights, aa: u32) -> Vec<(String, String)> {
         attribute("rrf.area_lights", if lights.area { "on" } else { "off" }),
     ];
     if !sources.is_empty() {
-        attributes.push(attribute("rrf.other_lights", sources.join("; ")));
+        attributes.push(attribute("rrf.other_lights", ascii(&sources.join("; "))));
     }
     attributes
 }
@@ -62,6 +62,24 @@ fn attribute(name: &str, value: impl ToString) -> (String, String) {
     (name.to_string(), value.to_string())
 }
 
+/// Text that every program reads: some refuse files whose attributes have other letters.
+fn ascii(text: &str) -> String {
+    let text = text.replace('²', "^2");
+    text.chars()
+        .map(|c| if c.is_ascii() { c } else { '?' })
+        .collect()
+}
+
 fn triple(v: Vec3) -> String {
     format!("{},{},{}", v.x, v.y, v.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn attributes_are_ascii() {
+        assert_eq!(ascii("Lämpchen: 1 W/m²"), "L?mpchen: 1 W/m^2");
+    }
 }
