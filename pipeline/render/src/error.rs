@@ -97,6 +97,9 @@ pub enum RenderError {
     /// Evaluation of the nets.
     #[error(transparent)]
     Field(#[from] rrf_field::FieldError),
+    /// Evaluation of a transfer.
+    #[error(transparent)]
+    Transfer(#[from] rrf_transfer::TransferError),
     /// Tracing.
     #[error(transparent)]
     Trace(#[from] rrf_trace::TraceError),

@@ -50,7 +50,7 @@ pub use frame::Frame;
 pub use io::{camera_path, exr, png};
 pub use options::{Part, RenderOptions, Trusted};
 pub use proxies::{AreaLights, LightProxy};
-pub use shading::{Renderer, render};
+pub use shading::{MOST_RESIDUAL, Renderer, render};
 pub use tile::{OFF_CENTRE, raw};
 pub use timings::{FrameStage, FrameTimings};
 pub use traced::{PathOptions, trace_frame, trace_untrusted};

@@ -22,11 +22,13 @@ pub enum FrameStage {
     Nets,
     /// Parts added into the picture.
     Resolve,
+    /// Coefficients of the lights in a transfer, once a frame.
+    Coefficients,
 }
 
 impl FrameStage {
     /// Name of each stage, in the order of work.
-    pub const NAMES: [&str; 8] = [
+    pub const NAMES: [&str; 9] = [
         "primary_rays",
         "points",
         "direct",
@@ -35,6 +37,7 @@ impl FrameStage {
         "inputs",
         "nets",
         "resolve",
+        "coefficients",
     ];
 
     /// The stages of the nets.

@@ -6,7 +6,8 @@
 use crate::TransferError;
 use crate::irradiance::Receivers;
 use crate::lights::DirectLight;
-use crate::model::{LightCoefficients, TransferModel};
+use crate::model::{LightCoefficients, TransferAnswer, TransferModel};
+use crate::query::TransferQuery;
 use crate::rows::RowPoint;
 use crate::sources::{
     FlatMirrors, Lamp, SourceLight, WhiteLamp, fingerprint, in_white, white_lamps,
@@ -153,9 +154,14 @@ impl LitTransfer<'_> {
         self.shining.push((light, colour));
     }
 
+    /// Indirect radiance of points by the model, without what flat mirrors add.
+    pub fn evaluate(&self, queries: &[TransferQuery]) -> Vec<TransferAnswer> {
+        self.book.model.evaluate(&self.coefficients, queries)
+    }
+
     /// Radiance [W/(sr m²)] that rows send by way of a flat mirror and their own surface, which no
-    /// model holds ([`FlatMirrors::at_rows`]). Row i has the name `first + i`.
-    pub fn by_mirrors(&self, rows: &[RowPoint], first: u64) -> Vec<Vec3> {
+    /// model holds ([`FlatMirrors::at_rows`]). Row i, of `tracer`'s scene, has the name `first + i`.
+    pub fn by_mirrors(&self, tracer: &Tracer, rows: &[RowPoint], first: u64) -> Vec<Vec3> {
         let mut sum = vec![Vec3::ZERO; rows.len()];
         if self.book.mirrors.is_empty() {
             return sum;
@@ -165,7 +171,7 @@ impl LitTransfer<'_> {
                 Shining::Source(source) => Box::new(SourceLight::new(source, self.book.stream)),
                 Shining::Lamp(lamp) => Box::new(lamp),
             };
-            let own = self.book.mirrors.at_rows(&light, rows, first);
+            let own = self.book.mirrors.at_rows_in(tracer, &light, rows, first);
             sum.iter_mut()
                 .zip(own)
                 .for_each(|(sum, own)| *sum += own * *colour);

@@ -65,6 +65,17 @@ pub trait DirectLight: Sync {
     /// a time. `id` names the point: a light that has to choose directions or places chooses
     /// by it, so that a light which moves a little changes a little.
     fn arrivals(&self, at: &Receiver, id: ReceiverId, arrive: &mut dyn FnMut(IncidentLight));
+
+    /// Least and greatest corner of a box that all of its light comes from; `None` where it comes
+    /// from afar or nobody knows.
+    fn bounds(&self) -> Option<[Vec3; 2]> {
+        None
+    }
+
+    /// Radiance [W/(sr m²)] that comes from a direction, of a light that surrounds the scene.
+    fn surrounding(&self, _toward: Vec3) -> Option<Vec3> {
+        None
+    }
 }
 
 /// An isotropic point light.
@@ -88,6 +99,10 @@ impl DirectLight for PointSource {
                 normal_irradiance,
             ));
         }
+    }
+
+    fn bounds(&self) -> Option<[Vec3; 2]> {
+        Some([self.position; 2])
     }
 }
 
@@ -121,10 +136,26 @@ impl<L: DirectLight + ?Sized> DirectLight for &L {
     fn arrivals(&self, at: &Receiver, id: ReceiverId, arrive: &mut dyn FnMut(IncidentLight)) {
         (**self).arrivals(at, id, arrive);
     }
+
+    fn bounds(&self) -> Option<[Vec3; 2]> {
+        (**self).bounds()
+    }
+
+    fn surrounding(&self, toward: Vec3) -> Option<Vec3> {
+        (**self).surrounding(toward)
+    }
 }
 
 impl<L: DirectLight + ?Sized> DirectLight for Box<L> {
     fn arrivals(&self, at: &Receiver, id: ReceiverId, arrive: &mut dyn FnMut(IncidentLight)) {
         (**self).arrivals(at, id, arrive);
+    }
+
+    fn bounds(&self) -> Option<[Vec3; 2]> {
+        (**self).bounds()
+    }
+
+    fn surrounding(&self, toward: Vec3) -> Option<Vec3> {
+        (**self).surrounding(toward)
     }
 }

@@ -87,6 +87,15 @@ impl AreaLights {
         })
     }
 
+    /// The area lights of `scene` for direct light alone: a transfer knows lamps as they are.
+    pub fn without_proxies(scene: &Scene) -> AreaLights {
+        let emitters = emitter::of_area_lights(scene);
+        AreaLights {
+            proxies: Vec::new(),
+            pieces: emitter::cut_all(emitters.into_iter().flatten()),
+        }
+    }
+
     /// The points of all lamps.
     pub fn points(&self) -> impl Iterator<Item = Light> + '_ {
         self.proxies.iter().flat_map(|s| s.points.iter().copied())

@@ -3,32 +3,36 @@
 //! [`Renderer::render`] hands out bands of tiles; a tile's pixels are shaded in `Job::shade`.
 
 mod blend;
+mod indirect;
 mod layers;
 
 use crate::direct::emitter::Emitter;
 use crate::direct::{PointLighting, SampledLighting, SampledLights, ShadowRays};
 use crate::error::RenderError;
 use crate::frame::Frame;
-use crate::options::{RenderOptions, Trusted};
+use crate::options::RenderOptions;
 use crate::origin;
 use crate::tile::{Tile, VisiblePoints};
 use crate::timings::{FrameStage, FrameTimings, Stopwatch};
 use crate::view::{Lights, View};
-use blend::evaluate_blended;
 use glam::Vec3;
+use indirect::{Answers, Baked, Lit};
 use layers::{Band, Layers};
 use rayon::prelude::*;
-use rrf_field::columns::{self, Columns};
-use rrf_field::{EvaluationTimings, Field, Light, LitField, Workspace};
+use rrf_field::Field;
 use rrf_lights::LightSource;
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
+use rrf_transfer::LightBook;
 use std::sync::{Mutex, MutexGuard};
+use std::time::{Duration, Instant};
 
-/// Makes frame after frame of one scene and field, and keeps what the threads work with.
+pub use indirect::MOST_RESIDUAL;
+
+/// Makes frame after frame of one scene and model, and keeps what the threads work with.
 pub struct Renderer<'a> {
     tracer: &'a Tracer<'a>,
-    field: &'a Field,
+    baked: Baked<'a>,
     idle: Mutex<Vec<Work>>,
 }
 
@@ -38,9 +42,7 @@ struct Work {
     seen: VisiblePoints,
     point_lighting: PointLighting,
     sampled_lighting: SampledLighting,
-    nets: Workspace,
-    radiance: [Vec<f32>; 3],
-    cells: Vec<u32>,
+    answers: Answers,
     watch: Stopwatch,
 }
 
@@ -56,8 +58,8 @@ struct Job<'f> {
     sampled: SampledLights<'f>,
     /// Whether surfaces may shine themselves.
     emission: bool,
-    /// The nets under their point lights.
-    lit: LitField<'f>,
+    /// The model under the lights.
+    lit: Lit<'f>,
     options: &'f RenderOptions<'f>,
     /// Camera rays a side of a pixel.
     side: u32,
@@ -86,7 +88,17 @@ impl<'a> Renderer<'a> {
     pub fn new(tracer: &'a Tracer<'a>, field: &'a Field) -> Renderer<'a> {
         Renderer {
             tracer,
-            field,
+            baked: Baked::Nets(field),
+            idle: Mutex::default(),
+        }
+    }
+
+    /// Frames of `tracer`'s scene with the indirect light of a transfer; lamps that shine are those of
+    /// that scene.
+    pub fn of_transfer(tracer: &'a Tracer<'a>, book: &'a LightBook<'a>) -> Renderer<'a> {
+        Renderer {
+            tracer,
+            baked: Baked::Transfer(book),
             idle: Mutex::default(),
         }
     }
@@ -102,7 +114,7 @@ impl<'a> Renderer<'a> {
     ) -> Result<FrameTimings, RenderError> {
         view.check()?;
         lights.check()?;
-        let job = self.job(view, lights, options)?;
+        let (job, coefficients) = self.job(view, lights, options)?;
         let mut layers = Layers::take_from(frame, view);
         let bands = layers.bands(view.width).enumerate();
         let timings = bands
@@ -119,17 +131,19 @@ impl<'a> Renderer<'a> {
         layers.give_to(frame, options);
         frame.attributes = origin::of_render(view, lights, options);
         let mut sum = FrameTimings::default();
+        sum.0[FrameStage::Coefficients as usize] = coefficients;
         timings.iter().for_each(|timings| sum.add(timings));
         Ok(sum)
     }
 
-    /// Decides which lights are exact, which are sampled, which the nets see.
+    /// Decides which lights are exact, which are sampled, what the model makes of them; and the
+    /// threads' time that the latter took.
     fn job<'f>(
         &'f self,
         view: &'f View,
         lights: &'f Lights,
         options: &'f RenderOptions<'f>,
-    ) -> Result<Job<'f>, RenderError> {
+    ) -> Result<(Job<'f>, Duration), RenderError> {
         let area_lights = options.area_lights.filter(|_| lights.area);
         let has_any = !self.tracer.scene().area_lights.is_empty();
         if lights.area && has_any && area_lights.is_none() {
@@ -140,28 +154,27 @@ impl<'a> Renderer<'a> {
             Some(_) => ([].as_slice(), lights.points.as_slice()),
         };
         let pieces = area_lights.iter().flat_map(|area| &area.pieces).copied();
-        let of_nets = lights.points.iter().map(|light| Light {
-            position: light.position.to_array(),
-            intensity: light.intensity.to_array(),
-        });
+        let start = Instant::now();
         let proxies = area_lights.iter().flat_map(|area| area.points());
-        let of_nets: Vec<Light> = of_nets.chain(proxies).collect();
+        let lit = self.baked.under(lights, proxies, self.tracer.scene())?;
+        let coefficients = start.elapsed() * rayon::current_num_threads() as u32;
         let side = options.aa.max(1);
         let emitters = sampled.iter().map(Emitter::from).chain(pieces);
         let sources = lights.sources.iter().map(|light| &light.source);
         let (visible, sharp): (Vec<_>, Vec<_>) = sources.partition(|s| s.is_visible());
-        Ok(Job {
+        let job = Job {
             tracer: self.tracer,
             view,
             points: exact,
             sharp,
             sampled: SampledLights::new(emitters.collect(), visible),
             emission: area_lights.is_some(),
-            lit: self.field.under(&of_nets),
+            lit,
             options,
             side,
             weight: 1.0 / (side * side) as f32,
-        })
+        };
+        Ok((job, coefficients))
     }
 
     /// Columns that no thread works with at the moment. A thread that panicked may leave the list
@@ -184,7 +197,7 @@ impl Job<'_> {
             self.add_direct(work, tile, band);
         }
         if self.options.part.has_indirect() {
-            self.add_indirect(work, band)?;
+            self.add_indirect(work, tile, band)?;
         }
         band.sum(tile, self.view.width);
         work.watch.end(FrameStage::Resolve);
@@ -228,21 +241,22 @@ impl Job<'_> {
         }
     }
 
-    /// Adds the nets' light at the visible points, and which nets gave it.
-    fn add_indirect(&self, work: &mut Work, band: &mut Band) -> Result<(), RenderError> {
-        let seen = &work.seen;
-        let (radiance, cells) = (&mut work.radiance, &mut work.cells);
-        match self.options.borders {
-            Some(borders) => evaluate_blended(borders, &self.lit, &seen.rows, radiance, cells)?,
-            None => {
-                let mut spent = EvaluationTimings::default();
-                let (nets, timings) = (&mut work.nets, Some(&mut spent));
-                self.lit
-                    .evaluate(&seen.rows, nets, radiance, cells, timings)?;
-                work.watch.end_nets(&spent);
-            }
-        }
-        let [r, g, b] = &*radiance;
+    /// Adds the model's light at the visible points, and which cells gave it.
+    fn add_indirect(
+        &self,
+        work: &mut Work,
+        tile: Tile,
+        band: &mut Band,
+    ) -> Result<(), RenderError> {
+        let Work {
+            seen,
+            answers,
+            watch,
+            ..
+        } = work;
+        let first = u64::from(tile.y) * u64::from(self.view.width) + u64::from(tile.x);
+        (self.lit).evaluate(self.tracer, seen, self.options, first, answers, watch)?;
+        let [r, g, b] = &answers.radiance;
         let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);
         for (&pixel, (((&r, &g), &b), material)) in seen.pixel.iter().zip(rgb) {
             // no net was trained on what sends no light, such as a lamp
@@ -251,30 +265,15 @@ impl Job<'_> {
             }
         }
         // Of the pixel's first ray that hit, which comes last here.
-        for (&pixel, &cell) in seen.pixel.iter().zip(&*cells).rev() {
+        for (&pixel, &cell) in seen.pixel.iter().zip(&answers.cells).rev() {
             band.cell[pixel as usize] = cell;
         }
         if let Some(trusted) = self.options.trusted {
-            let trust = trusted_under_all(trusted, &seen.rows, self.lit.lights());
+            let trust = self.lit.trust(trusted, seen, answers);
             for (&pixel, trust) in seen.pixel.iter().zip(trust) {
                 band.trust[pixel as usize] += if trust { self.weight } else { 0.0 };
             }
         }
         Ok(())
     }
-}
-
-/// Whether each row is trusted under every one of the lights.
-fn trusted_under_all(trusted: &Trusted, rows: &Columns, lights: &[Light]) -> Vec<bool> {
-    let mut rows = rows.clone();
-    let mut all = vec![true; rows.len()];
-    for light in lights {
-        for (i, x) in light.position.into_iter().enumerate() {
-            rows.columns[columns::L + i].fill(x);
-        }
-        for (all, one) in all.iter_mut().zip(trusted(&rows)) {
-            *all &= one;
-        }
-    }
-    all
 }

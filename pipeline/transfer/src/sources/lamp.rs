@@ -215,4 +215,10 @@ impl DirectLight for Lamp {
             }
         }
     }
+
+    fn bounds(&self) -> Option<[Vec3; 2]> {
+        let corners = self.triangles.iter().flat_map(|t| t.corners);
+        let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        (!self.is_empty()).then(|| corners.fold(start, |[a, b], c| [a.min(c), b.max(c)]))
+    }
 }

@@ -87,4 +87,13 @@ impl DirectLight for SourceLight<'_> {
             }
         }
     }
+
+    fn bounds(&self) -> Option<[Vec3; 2]> {
+        self.source.position().map(|position| [position; 2])
+    }
+
+    fn surrounding(&self, toward: Vec3) -> Option<Vec3> {
+        let is_sky = matches!(self.source, LightSource::Environment(_));
+        is_sky.then(|| self.source.radiance(toward))
+    }
 }

@@ -1,12 +1,12 @@
 //! Lights that are kept: sums, colours, and lights that the model does not know.
 
 use crate::model::{bake, config};
-use crate::scenes::cornell;
+use crate::scenes::{MIDDLE, cornell, points};
 use glam::Vec3;
 use rrf_lights::{LightSource, PointLight};
 use rrf_scene::{AreaLight, Scene};
 use rrf_trace::Tracer;
-use rrf_transfer::{CellChoice, LightBook, LightCoefficients};
+use rrf_transfer::{CellChoice, LightBook, LightCoefficients, TransferModel, TransferQuery};
 
 fn point(x: f32, y: f32, intensity: Vec3) -> LightSource {
     PointLight {
@@ -16,12 +16,20 @@ fn point(x: f32, y: f32, intensity: Vec3) -> LightSource {
     .into()
 }
 
-/// Largest difference, relative to the largest coefficient.
-fn apart(a: &LightCoefficients, b: &LightCoefficients) -> f32 {
-    let largest = a.basis().iter().map(|c| c.abs().max_element());
+/// Where lights are compared.
+fn queries(tracer: &Tracer) -> Vec<TransferQuery> {
+    let rows = points(tracer, MIDDLE, 200, 5);
+    let query = |row| TransferQuery::of_row(tracer, row);
+    rows.iter().map(query).collect()
+}
+
+/// Largest difference of two lights at points, relative to the largest radiance.
+fn apart(model: &TransferModel, at: &[TransferQuery], lights: [&LightCoefficients; 2]) -> f32 {
+    let [a, b] = lights.map(|light| model.evaluate(light, at));
+    let largest = a.iter().map(|a| a.radiance.abs().max_element());
     let largest = largest.fold(f32::MIN_POSITIVE, f32::max);
-    let differences = a.basis().iter().zip(b.basis());
-    let differences = differences.map(|(a, b)| (*a - *b).abs().max_element());
+    let differences = a.iter().zip(&b);
+    let differences = differences.map(|(a, b)| (a.radiance - b.radiance).abs().max_element());
     differences.fold(0.0, f32::max) / largest
 }
 
@@ -55,11 +63,14 @@ fn lights_superpose_and_are_kept() {
     };
     let mut sum = lit(std::slice::from_ref(&red), None);
     sum.add_scaled(&lit(std::slice::from_ref(&blue), None), Vec3::ONE);
-    assert!(apart(&lit(&[red.clone(), blue.clone()], None), &sum) < 1e-5);
+    let at = queries(&tracer);
+    let both = lit(&[red.clone(), blue.clone()], None);
+    assert!(apart(&model, &at, [&both, &sum]) < 1e-4);
     // twice as bright is twice the light, to the bit; kept or not
     let twice = lit(&[red.dimmed(Vec3::splat(2.0))], None);
     let mut doubled = lit(&[red.dimmed(Vec3::ZERO)], None);
-    assert!(doubled.basis().iter().all(|c| *c == Vec3::ZERO));
+    let dark = model.evaluate(&doubled, &at);
+    assert!(dark.iter().all(|answer| answer.radiance == Vec3::ZERO));
     doubled.add_scaled(&lit(std::slice::from_ref(&red), None), Vec3::splat(2.0));
     assert_eq!(twice, doubled);
     let fresh = LightBook::new(&model, &tracer).unwrap();
@@ -75,7 +86,8 @@ fn lights_superpose_and_are_kept() {
     let mut coloured = lit(&[], None);
     coloured.add_scaled(&lit(&[], Some(&white)), Vec3::new(4.0, 2.0, 1.0));
     assert_eq!(lit(&[], Some(&amber)), coloured);
-    assert!(coloured.basis().iter().any(|c| c.x.abs() > 0.0));
+    let shown = model.evaluate(&coloured, &at);
+    assert!(shown.iter().any(|answer| answer.radiance.x > 0.0));
 }
 
 /// A light of the ensemble's kind has a small residual, one on the floor behind a box a large one.

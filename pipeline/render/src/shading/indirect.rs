@@ -1,0 +1,186 @@
+//! Where a frame's indirect light comes from: nets that see the lights, or a transfer under them.
+
+use super::blend::evaluate_blended;
+use crate::error::RenderError;
+use crate::options::{RenderOptions, Trusted};
+use crate::tile::VisiblePoints;
+use crate::timings::{FrameStage, Stopwatch};
+use crate::view::Lights;
+use rrf_field::columns::{self, Columns};
+use rrf_field::{EvaluationTimings, Field, Light, LitField, Workspace};
+use rrf_lights::LightSource;
+use rrf_scene::Scene;
+use rrf_trace::Tracer;
+use rrf_transfer::{LightBook, LitTransfer, RowPoint, SurfaceKey, TransferQuery};
+
+/// Share of a light that a transfer's basis may leave out for the frame to be trusted.
+pub const MOST_RESIDUAL: f32 = 0.1;
+
+/// What was baked.
+#[derive(Clone, Copy)]
+pub(super) enum Baked<'a> {
+    /// Nets that see point lights.
+    Nets(&'a Field),
+    /// A transfer, which knows any light.
+    Transfer(&'a LightBook<'a>),
+}
+
+/// What was baked, under a frame's lights.
+pub(super) enum Lit<'f> {
+    Nets(LitField<'f>),
+    Transfer(LitTransfer<'f>),
+}
+
+/// Answers at a tile's visible points.
+#[derive(Default)]
+pub(super) struct Answers {
+    pub(super) radiance: [Vec<f32>; 3],
+    pub(super) cells: Vec<u32>,
+    /// Whether a transfer's answer is believed.
+    trust: Vec<bool>,
+    nets: Workspace,
+}
+
+impl<'a> Baked<'a> {
+    /// The model under lights; `proxies` stand for the lamps where nets know points alone.
+    pub(super) fn under(
+        self,
+        lights: &Lights,
+        proxies: impl Iterator<Item = Light>,
+        scene: &Scene,
+    ) -> Result<Lit<'a>, RenderError> {
+        match self {
+            Baked::Nets(field) => {
+                let points = lights.points.iter().map(|light| Light {
+                    position: light.position.to_array(),
+                    intensity: light.intensity.to_array(),
+                });
+                let points: Vec<Light> = points.chain(proxies).collect();
+                Ok(Lit::Nets(field.under(&points)))
+            }
+            Baked::Transfer(book) => {
+                let points = lights.points.iter().map(|&point| LightSource::from(point));
+                let sources = lights.sources.iter().map(|light| light.source.clone());
+                let sources: Vec<LightSource> = points.chain(sources).collect();
+                let lamps = lights.area.then_some(scene);
+                Ok(Lit::Transfer(book.under(&sources, lamps)?))
+            }
+        }
+    }
+}
+
+impl Lit<'_> {
+    /// Indirect light at visible points; `first` names their random numbers.
+    pub(super) fn evaluate(
+        &self,
+        tracer: &Tracer,
+        seen: &VisiblePoints,
+        options: &RenderOptions,
+        first: u64,
+        answers: &mut Answers,
+        watch: &mut Stopwatch,
+    ) -> Result<(), RenderError> {
+        let Answers {
+            radiance,
+            cells,
+            nets,
+            ..
+        } = answers;
+        match (self, options.borders) {
+            (Lit::Nets(lit), Some(borders)) => {
+                evaluate_blended(borders, lit, &seen.rows, radiance, cells)?;
+                Ok(())
+            }
+            (Lit::Nets(lit), None) => {
+                let mut spent = EvaluationTimings::default();
+                lit.evaluate(&seen.rows, nets, radiance, cells, Some(&mut spent))?;
+                watch.end_nets(&spent);
+                Ok(())
+            }
+            (Lit::Transfer(lit), _) => {
+                answer(lit, tracer, seen, first, answers);
+                watch.end(FrameStage::Nets);
+                Ok(())
+            }
+        }
+    }
+
+    /// Whether each visible point's answer is believed.
+    pub(super) fn trust(
+        &self,
+        trusted: &Trusted,
+        seen: &VisiblePoints,
+        answers: &Answers,
+    ) -> Vec<bool> {
+        match self {
+            Lit::Nets(lit) => trusted_under_all(trusted, &seen.rows, lit.lights()),
+            Lit::Transfer(_) => answers.trust.clone(),
+        }
+    }
+}
+
+/// A transfer's answers.
+fn answer(
+    lit: &LitTransfer,
+    tracer: &Tracer,
+    seen: &VisiblePoints,
+    first: u64,
+    answers: &mut Answers,
+) {
+    let queries: Vec<TransferQuery> = (0..seen.points.len())
+        .map(|row| query(tracer.scene(), seen, row))
+        .collect();
+    let found = lit.evaluate(&queries);
+    let rows = seen.points.iter().zip(&seen.viewers);
+    let rows: Vec<RowPoint> = rows
+        .map(|(&point, &viewer)| RowPoint { point, viewer })
+        .collect();
+    let mirrored = lit.by_mirrors(tracer, &rows, first);
+    answers.radiance.iter_mut().for_each(Vec::clear);
+    answers.cells.clear();
+    answers.trust.clear();
+    for (found, mirrored) in found.iter().zip(mirrored) {
+        let sum = found.radiance + mirrored;
+        for (channel, x) in answers.radiance.iter_mut().zip(sum.to_array()) {
+            channel.push(x);
+        }
+        answers.cells.push(found.cell);
+        answers
+            .trust
+            .push(found.trusted && lit.residual <= MOST_RESIDUAL);
+    }
+}
+
+/// A visible point as a transfer is asked about it.
+fn query(scene: &Scene, seen: &VisiblePoints, row: usize) -> TransferQuery {
+    let (point, viewer) = (&seen.points[row], seen.viewers[row]);
+    let back = point.normal.dot(viewer) < 0.0;
+    let triangle = point.triangle as usize;
+    TransferQuery {
+        position: point.position,
+        geometric: if back { -point.normal } else { point.normal },
+        shading: seen.normals[row],
+        viewer,
+        base_color: seen.materials[row].base_color,
+        surface: SurfaceKey {
+            object: scene.triangle_object.get(triangle).copied().unwrap_or(0),
+            material: scene.triangle_material[triangle],
+            back,
+        },
+    }
+}
+
+/// Whether each row is trusted under every one of the lights.
+fn trusted_under_all(trusted: &Trusted, rows: &Columns, lights: &[Light]) -> Vec<bool> {
+    let mut rows = rows.clone();
+    let mut all = vec![true; rows.len()];
+    for light in lights {
+        for (i, x) in light.position.into_iter().enumerate() {
+            rows.columns[columns::L + i].fill(x);
+        }
+        for (all, one) in all.iter_mut().zip(trusted(&rows)) {
+            *all &= one;
+        }
+    }
+    all
+}
