@@ -58,8 +58,11 @@ fn common(view: &View, lights: &Lights, aa: u32) -> Vec<(String, String)> {
     attributes
 }
 
+/// In ASCII: other readers take the bytes of attributes for UTF-8, our writer's are Latin-1.
 fn attribute(name: &str, value: impl ToString) -> (String, String) {
-    (name.to_string(), value.to_string())
+    let value = value.to_string().replace('²', "^2").replace('°', " deg");
+    let ascii = |c: char| if c.is_ascii() { c } else { '?' };
+    (name.to_string(), value.chars().map(ascii).collect())
 }
 
 /// Text that every program reads: some refuse files whose attributes have other letters.
