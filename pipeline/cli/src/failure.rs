@@ -7,7 +7,7 @@ use rrf_field::FieldError;
 use rrf_metrics::MetricsError;
 use rrf_remote::RemoteError;
 use rrf_render::RenderError;
-use rrf_scene::{SceneError, UnknownLight};
+use rrf_scene::SceneError;
 use rrf_store::StoreError;
 use rrf_trace::TraceError;
 use rrf_view::ViewError;
@@ -40,7 +40,6 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
     let bad = error.chain().any(|cause| {
         is(cause, |_: &BadInput| true)
             || is(cause, |_: &SceneError| true)
-            || is(cause, |_: &UnknownLight| true)
             || is(cause, |_: &TraceError| true)
             || is(cause, |_: &ExtractError| true)
             || is(cause, |_: &FieldError| true)

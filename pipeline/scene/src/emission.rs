@@ -39,13 +39,19 @@ impl Scene {
         picture.sample(uvs[0] + (uvs[1] - uvs[0]) * b + (uvs[2] - uvs[0]) * c)
     }
 
-    /// Mean of [`Scene::emitted_share`] over a triangle, by the middles of equal pieces about a
-    /// texel wide, at most 64 along an edge.
+    /// Mean of [`Scene::emitted_share`] over a triangle.
     pub fn mean_share(&self, triangle: u32) -> Vec3 {
+        self.mean_share_of(triangle, [Vec2::ZERO, Vec2::X, Vec2::Y])
+    }
+
+    /// Mean of [`Scene::emitted_share`] over a part of a triangle, by the barycentrics of the part's
+    /// corners: by the middles of equal pieces about a texel wide, at most 64 along an edge.
+    pub fn mean_share_of(&self, triangle: u32, part: [Vec2; 3]) -> Vec3 {
         let Some(picture) = self.shining_picture(triangle) else {
             return Vec3::ONE;
         };
         let [a, b, c] = self.corner_uvs(triangle).unwrap_or_default();
+        let [a, b, c] = part.map(|at| a + (b - a) * at.x + (c - a) * at.y);
         let size = Vec2::new(picture.width as f32, picture.height as f32);
         let edges = [b - a, c - b, a - c].map(|edge| (edge * size).length());
         let longest = edges.into_iter().fold(0.0, f32::max);
@@ -61,8 +67,8 @@ impl Scene {
                 };
                 for piece in pieces {
                     let weight = |k: u32| (k as f32 + piece / 3.0) / cuts as f32;
-                    let share = self.emitted_share(triangle, [weight(i), weight(j)]);
-                    sum += share.as_dvec3();
+                    let uv = a + (b - a) * weight(i) + (c - a) * weight(j);
+                    sum += picture.sample(uv).as_dvec3();
                 }
             }
         }

@@ -53,7 +53,6 @@ pub use error::SceneError;
 pub use load::load;
 pub use measure::Bounds;
 pub use options::{LightUnits, LoadOptions, SkyOption, SkySource};
-pub use own_lights::{OwnLightParts, UnknownLight};
 pub use rrf_lights::{AreaLight, LightSource, OwnLight, PointLight};
 pub use rrf_materials::{INVALID, Material, MaterialKind, Texture};
 pub use scene::{Camera, Scene, Warning};

@@ -1,12 +1,14 @@
 //! Lights as cells: point lights, and pieces of emitting triangles, each chosen as a whole.
 
-use glam::Vec3;
-use rrf_scene::{PointLight, Scene};
+use glam::{Vec2, Vec3};
+use rrf_scene::{AreaLight, PointLight, Scene};
 
 /// Cells that lamps are cut into, together, at the most; a triangle that is cut becomes four.
 const MOST_CELLS: usize = 256;
 /// Cuts of a triangle at the most: 4² pieces.
 const MOST_CUTS: u32 = 2;
+/// Cuts of a triangle that shines by a picture: 4³ pieces, each of one colour.
+const PICTURE_CUTS: u32 = 3;
 
 /// A light, or a piece of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,21 +125,44 @@ impl Emitter {
 /// Distance of a shadow ray's end from the lamp, as a share of the largest coordinate.
 const LIFT: f32 = 4e-6;
 
-/// The emitting triangles of each of a scene's area lights, uncut.
+/// The emitting triangles of each of a scene's area lights, uncut but where they shine by a
+/// picture.
 pub fn of_area_lights(scene: &Scene) -> Vec<Vec<Emitter>> {
     let mut emitters = vec![Vec::new(); scene.area_lights.len()];
-    let columns = scene.triangles.iter().zip(&scene.triangle_light);
-    for (id, (triangle, &light)) in (0..).zip(columns) {
-        let Some(area_light) = scene.area_lights.get(light as usize) else {
-            continue;
-        };
-        let corners = triangle.map(|v| scene.positions[v as usize]);
-        // a picture by its mean over the triangle
-        let radiance = area_light.radiance * scene.mean_share(id);
-        let two_sided = area_light.two_sided;
-        emitters[light as usize].extend(Emitter::triangle(corners, radiance, two_sided));
+    for (id, &light) in (0..).zip(&scene.triangle_light) {
+        if let Some(area_light) = scene.area_lights.get(light as usize) {
+            let has_picture = scene.emission_texture(light).is_some();
+            let cuts = if has_picture { PICTURE_CUTS } else { 0 };
+            emitters[light as usize].extend(pieces(scene, id, area_light, cuts));
+        }
     }
     emitters
+}
+
+/// A triangle that shines, cut so many times into four, each piece by the mean over it.
+fn pieces<'s>(
+    scene: &'s Scene,
+    triangle: u32,
+    light: &'s AreaLight,
+    cuts: u32,
+) -> impl Iterator<Item = Emitter> + 's {
+    let [a, b, c] = scene.triangles[triangle as usize].map(|v| scene.positions[v as usize]);
+    let mut parts = vec![[Vec2::ZERO, Vec2::X, Vec2::Y]];
+    for _ in 0..cuts {
+        let quarters = parts.iter().flat_map(|&[a, b, c]| {
+            let [ab, bc, ca] = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]]
+        });
+        parts = quarters.collect();
+    }
+    parts.into_iter().filter_map(move |part| {
+        let corners = match cuts {
+            0 => [a, b, c],
+            _ => part.map(|at| a + (b - a) * at.x + (c - a) * at.y),
+        };
+        let share = scene.mean_share_of(triangle, part);
+        Emitter::triangle(corners, light.radiance * share, light.two_sided)
+    })
 }
 
 /// Cuts emitters into smaller ones of the same light: where part of a lamp is hidden, shadow rays
@@ -156,6 +181,7 @@ pub fn cut_all(emitters: impl Iterator<Item = Emitter>) -> Vec<Emitter> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rrf_scene::Texture;
 
     fn triangle() -> Emitter {
         let corners = [Vec3::ZERO, Vec3::X * 3.0, Vec3::Y * 2.0];
@@ -175,6 +201,47 @@ mod tests {
                 let p = cell.place(u);
                 let inside = p.x > -1e-5 && p.y > -1e-5 && p.x / 3.0 + p.y / 2.0 < 1.0 + 1e-5;
                 assert!(inside && p.z == 0.0, "{p}");
+            }
+        }
+    }
+
+    /// A lamp whose picture is red on its left half and green on the right.
+    #[test]
+    fn pieces_of_a_picture_have_its_colours() {
+        let uvs = [Vec2::ZERO, Vec2::X, Vec2::Y];
+        let scene = Scene {
+            positions: uvs.map(|uv| (3.0 * uv).extend(0.0)).to_vec(),
+            // within the picture, whose opposite borders meet
+            uvs: uvs.map(|uv| 0.25 + 0.5 * uv).to_vec(),
+            triangles: vec![[0, 1, 2]],
+            triangle_light: vec![0],
+            textures: vec![Texture {
+                width: 32,
+                height: 1,
+                texels: [Vec3::X, Vec3::Y].map(|colour| [colour; 16]).concat(),
+            }],
+            area_lights: vec![AreaLight {
+                radiance: Vec3::splat(2.0),
+                two_sided: false,
+            }],
+            area_light_textures: vec![0],
+            ..Scene::default()
+        };
+        let [pieces] = of_area_lights(&scene).try_into().unwrap();
+        assert_eq!(pieces.len(), 64);
+        let power: Vec3 = pieces.iter().map(|piece| piece.intensity).sum();
+        // Of the area 4.5, 3/4 lie on the left; midpoints err along the border.
+        assert!(
+            (power - Vec3::new(6.75, 2.25, 0.0)).abs().max_element() < 0.05,
+            "{power}"
+        );
+        for piece in &pieces {
+            assert_eq!(piece.normal, Vec3::Z);
+            let middle = piece.middle().x;
+            if (middle - 1.5).abs() > 0.4 && middle > 0.4 && middle < 2.6 {
+                let wanted = if middle < 1.5 { Vec3::X } else { Vec3::Y };
+                let colour = piece.intensity / piece.intensity.element_sum();
+                assert!((colour - wanted).length() < 1e-4, "{piece:?}");
             }
         }
     }
