@@ -78,17 +78,22 @@ fn wrong_calls() {
     );
     refused(&["plan", &scene], &["not a run folder"]);
     let chapter = place.path("run/rounds/000/tasks/00000.json");
-    let whole = std::fs::read_to_string(&chapter).unwrap();
+    let hashed = std::fs::read_to_string(&chapter).unwrap();
     let first = ["task", "--plan", &plan, "--index", "0"];
-    let change = |from: &str, to: &str| {
-        assert!(whole.contains(from), "{from} is not in {whole}");
-        std::fs::write(&chapter, whole.replacen(from, to, 1)).unwrap();
-    };
     std::fs::write(&chapter, "nothing").unwrap();
     refused(&first, &["00000.json"]);
     std::fs::remove_file(&chapter).unwrap();
     refused(&first, &["task 0", "missing", "rrf plan"]);
-    // another run's, other rows than were planned, and one that begins elsewhere
+    // a changed digit, which its hash shows
+    std::fs::write(&chapter, hashed.replacen("\"seed\":1", "\"seed\":2", 1)).unwrap();
+    refused(&first, &["00000.json", "hash"]);
+    // without a hash: another run's, other rows than were planned, and one that begins elsewhere
+    let (content, _) = hashed.split_once(",\"blake3\"").unwrap();
+    let whole = format!("{content}}}\n");
+    let change = |from: &str, to: &str| {
+        assert!(whole.contains(from), "{from} is not in {whole}");
+        std::fs::write(&chapter, whole.replacen(from, to, 1)).unwrap();
+    };
     change("\"seed\":1", "\"seed\":2");
     refused(
         &first,

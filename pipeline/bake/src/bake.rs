@@ -13,6 +13,7 @@ use crate::run::rounds::Progress;
 use crate::settings::BakeConfig;
 use rrf_extract::Census;
 use rrf_scene::Scene;
+use rrf_store::StoreError;
 use rrf_trace::Tracer;
 use std::path::Path;
 
@@ -47,6 +48,7 @@ pub fn bake(
     let run = Run::create(run, scene, config, resume)?;
     let census = plan_first(&run, &context)?.census;
     watch.sync().map_err(BakeError::Sync)?;
+    let mut mends = Mends(MOST_MENDS);
     loop {
         let Progress { evaluated, todo } = run.progress()?;
         let Some(mut round) = todo else {
@@ -66,11 +68,32 @@ pub fn bake(
                     (None, None) => return Err(halted),
                 }
             }
+            Err(BakeError::Store(damage)) if mends.spend(&run, &damage)? => continue,
             work => work?,
         }
-        let (evaluation, _) = evaluate_round(&run, &round, watch.left())?;
+        let (evaluation, _) = match evaluate_round(&run, &round, watch.left()) {
+            Err(BakeError::Store(damage)) if mends.spend(&run, &damage)? => continue,
+            evaluated => evaluated?,
+        };
         watch.sync().map_err(BakeError::Sync)?;
         watch.evaluated(round.round, &evaluation);
+    }
+}
+
+/// Damaged outputs that a bake makes again; a disk that damages more is to be replaced.
+const MOST_MENDS: u32 = 100;
+
+/// How many damaged outputs may still be made again.
+struct Mends(u32);
+
+impl Mends {
+    /// Removes the damaged output that an error names, so that its task is done again.
+    fn spend(&mut self, run: &Run, damage: &StoreError) -> Result<bool, BakeError> {
+        match self.0.checked_sub(1) {
+            Some(left) if run.discard(damage)? => self.0 = left,
+            _ => return Ok(false),
+        }
+        Ok(true)
     }
 }
 

@@ -118,6 +118,14 @@ pub enum BakeError {
         /// The folder.
         path: PathBuf,
     },
+    /// Files of somebody else lie where a renewal would remove everything.
+    #[error("{path}: the settings have changed, and renewing the run would remove files that are not its own: {files}. Move them elsewhere", path = path.display(), files = listed(others))]
+    NotOurs {
+        /// The run folder.
+        path: PathBuf,
+        /// The files.
+        others: Vec<PathBuf>,
+    },
     /// The earlier fit that a fit starts from is missing.
     #[error("{path}: the earlier fit that cell {cell} starts from is missing or has changed. Restore it, or bake into a new folder", path = path.display())]
     EarlierFit {
@@ -134,6 +142,17 @@ pub enum BakeError {
         /// The first cell without any.
         cell: u32,
     },
+}
+
+/// The first paths of a list, and how many there are more.
+fn listed(paths: &[PathBuf]) -> String {
+    const NAMED: usize = 5;
+    let named = paths.iter().take(NAMED);
+    let named: Vec<String> = named.map(|path| path.display().to_string()).collect();
+    match paths.len().saturating_sub(NAMED) {
+        0 => named.join(", "),
+        more => format!("{} and {more} more", named.join(", ")),
+    }
 }
 
 impl BakeError {

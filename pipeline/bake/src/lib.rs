@@ -48,6 +48,7 @@ mod plan;
 mod policy;
 mod run;
 pub mod settings;
+mod verify;
 
 pub use bake::{BakeOutcome, bake};
 pub use error::{BakeError, Halt};
@@ -69,3 +70,4 @@ pub use policy::held_out::is_held_out;
 pub use run::folder::Run;
 pub use run::rounds::Progress;
 pub use settings::{BakeConfig, Preset, Settings};
+pub use verify::{Damage, Verification, verify};

@@ -36,7 +36,7 @@ impl Film {
         exposure: Option<Exposure>,
     ) -> anyhow::Result<Film> {
         let place = || folder.display();
-        std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", place()))?;
+        rrf_store::atomic::create_folder(folder)?;
         let mut entries =
             std::fs::read_dir(folder).with_context(|| format!("{}: cannot be read", place()))?;
         if entries.next().is_some() {

@@ -3,11 +3,16 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+// first: its macros stand in for the standard library's in all that follows
+#[macro_use]
+mod print;
+
 mod args;
 mod baked;
 mod commands;
 mod failure;
 mod film;
+mod memory;
 mod pictures;
 mod points;
 mod progress;

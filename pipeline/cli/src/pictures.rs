@@ -6,16 +6,20 @@ use rrf_metrics::tone::Exposure;
 use rrf_render::{Frame, Part, exr, png};
 use std::path::{Path, PathBuf};
 
-/// Refuses endings that no picture has, before any work is done.
-pub fn check_endings(outputs: &[PathBuf]) -> Result<(), BadInput> {
+/// Refuses endings that no picture has, and files that cannot be written, before any work is done.
+pub fn check_endings(outputs: &[PathBuf]) -> anyhow::Result<()> {
     let is_picture = |path: &PathBuf| ["exr", "png"].contains(&ending(path).as_str());
     match outputs.iter().find(|path| !is_picture(path)) {
-        None => Ok(()),
-        Some(path) => Err(BadInput(format!(
-            "{}: unknown picture format; name it .exr or .png",
-            path.display()
-        ))),
+        None => {}
+        Some(path) => {
+            let reason = "unknown picture format; name it .exr or .png";
+            return Err(BadInput(format!("{}: {reason}", path.display())).into());
+        }
     }
+    for path in outputs {
+        rrf_store::atomic::check_writable(path)?;
+    }
+    Ok(())
 }
 
 /// Writes the part asked for into each file; EXR files get every layer beside it.

@@ -1,6 +1,5 @@
 //! `--json-stats`: what frames cost, stage by stage.
 
-use anyhow::Context;
 use rrf_render::{FrameStage, FrameTimings, Lights, View};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -75,7 +74,7 @@ pub fn write_report(target: &Path, report: &Value) -> anyhow::Result<()> {
         print!("{text}");
         return Ok(());
     }
-    std::fs::write(target, text).with_context(|| format!("{}: cannot be written", target.display()))
+    Ok(rrf_store::atomic::atomic_write(target, text.as_bytes())?)
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

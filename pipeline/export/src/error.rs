@@ -1,17 +1,17 @@
 //! Why something could not be exported.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What went wrong and where.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// A file cannot be written.
-    #[error("{path}: cannot be written: {reason}", path = path.display())]
+    #[error("{path}: cannot be written: {source}", path = path.display())]
     Write {
         /// The file.
         path: PathBuf,
-        /// The reason.
-        reason: String,
+        /// The system's reason.
+        source: std::io::Error,
     },
     /// A model that is no net.
     #[error(
@@ -36,13 +36,25 @@ pub enum ExportError {
 impl ExportError {
     /// Whether other input is needed; otherwise the same could succeed if tried again.
     pub fn is_bad_input(&self) -> bool {
-        !matches!(self, ExportError::Write { .. })
-    }
-
-    pub(crate) fn write(path: &std::path::Path, reason: impl ToString) -> ExportError {
-        ExportError::Write {
-            path: path.to_path_buf(),
-            reason: reason.to_string(),
+        match self {
+            ExportError::Write { source, .. } => rrf_files::is_permanent(source),
+            _ => true,
         }
     }
+
+    /// A file's content that cannot be made.
+    pub(crate) fn encode(path: &Path, reason: impl ToString) -> ExportError {
+        ExportError::Write {
+            path: path.to_path_buf(),
+            source: std::io::Error::other(reason.to_string()),
+        }
+    }
+}
+
+/// Writes a file whole or not at all.
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
+    rrf_files::replace(path, bytes).map_err(|source| ExportError::Write {
+        path: path.to_path_buf(),
+        source,
+    })
 }

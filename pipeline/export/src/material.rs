@@ -1,12 +1,14 @@
 //! Materials and their textures as Mitsuba 3's plugins.
 
 use crate::ExportError;
-use exr::prelude::{Image, SpecificChannels, WritableImage, write_rgb_file};
+use crate::error::write_file;
+use exr::prelude::{Image, SpecificChannels, WritableImage};
 use glam::Vec3;
 use rrf_lights::Panorama;
 use rrf_materials::{SlotValue, Texture};
 use rrf_scene::Scene;
 use std::fmt::Write as _;
+use std::io::Cursor;
 use std::path::Path;
 
 /// The `<bsdf>` of material `id`, its textures written beside; linear sRGB throughout.
@@ -91,26 +93,31 @@ fn texture(scene: &Scene, id: u32) -> Option<&Texture> {
 
 /// Writes a panorama as it is.
 pub(crate) fn write_texels(path: &Path, picture: &Panorama) -> Result<(), ExportError> {
-    let (width, height) = (picture.width as usize, picture.height as usize);
-    let texel = |x: usize, y: usize| {
-        let c = picture
-            .texels
-            .get(y * width + x)
-            .copied()
-            .unwrap_or_default();
-        (c.x, c.y, c.z)
-    };
-    write_rgb_file(path, width, height, texel).map_err(|e| ExportError::write(path, e))
+    let size = (picture.width as usize, picture.height as usize);
+    write_colours(path, size, &picture.texels, Vec3::ONE)
 }
 
 pub(crate) fn write_rgb(path: &Path, picture: &Texture, factor: Vec3) -> Result<(), ExportError> {
-    let (width, height) = (picture.width as usize, picture.height as usize);
-    let texel = |x: usize, y: usize| {
-        let texel = picture.texels.get(y * width + x).copied();
+    let size = (picture.width as usize, picture.height as usize);
+    write_colours(path, size, &picture.texels, factor)
+}
+
+fn write_colours(
+    path: &Path,
+    size: (usize, usize),
+    texels: &[Vec3],
+    factor: Vec3,
+) -> Result<(), ExportError> {
+    let texel = |at: exr::prelude::Vec2<usize>| {
+        let texel = texels.get(at.y() * size.0 + at.x()).copied();
         let c = texel.unwrap_or_default() * factor;
         (c.x, c.y, c.z)
     };
-    write_rgb_file(path, width, height, texel).map_err(|e| ExportError::write(path, e))
+    let image = Image::from_channels(size, SpecificChannels::rgb(texel));
+    let mut bytes = Cursor::new(Vec::new());
+    let written = image.write().to_buffered(&mut bytes);
+    written.map_err(|e| ExportError::encode(path, e))?;
+    write_file(path, &bytes.into_inner())
 }
 
 fn write_one(
@@ -127,8 +134,9 @@ fn write_one(
     let channels = SpecificChannels::build()
         .with_channel("Y")
         .with_pixel_fn(texel);
-    Image::from_channels((width, height), channels)
-        .write()
-        .to_file(path)
-        .map_err(|e| ExportError::write(path, e))
+    let image = Image::from_channels((width, height), channels);
+    let mut bytes = Cursor::new(Vec::new());
+    let written = image.write().to_buffered(&mut bytes);
+    written.map_err(|e| ExportError::encode(path, e))?;
+    write_file(path, &bytes.into_inner())
 }

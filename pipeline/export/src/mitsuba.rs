@@ -5,6 +5,7 @@
 //! agrees with `rrf trace` within noise. What cannot be said in Mitsuba's terms is returned as
 //! notes.
 
+use crate::error::write_file;
 use crate::{ExportError, light, material, ply};
 use glam::Vec3;
 use rrf_scene::{Camera, INVALID, PointLight, Scene};
@@ -27,7 +28,10 @@ pub fn write_mitsuba(
 ) -> Result<Vec<String>, ExportError> {
     for part in ["meshes", "textures"] {
         let part = folder.join(part);
-        std::fs::create_dir_all(&part).map_err(|e| ExportError::write(&part, e))?;
+        rrf_files::make_folder(&part).map_err(|source| ExportError::Write {
+            path: part.clone(),
+            source,
+        })?;
     }
     let mut xml = String::from(HEAD);
     if let Some(camera) = camera {
@@ -45,7 +49,7 @@ pub fn write_mitsuba(
     }
     xml += "</scene>\n";
     let path = folder.join("scene.xml");
-    std::fs::write(&path, xml).map_err(|e| ExportError::write(&path, e))?;
+    write_file(&path, xml.as_bytes())?;
     Ok(notes)
 }
 

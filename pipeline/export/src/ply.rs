@@ -1,6 +1,7 @@
 //! Meshes as binary PLY (Turk 1994), as Mitsuba 3 reads them.
 
 use crate::ExportError;
+use crate::error::write_file;
 use rrf_scene::Scene;
 use std::collections::HashMap;
 use std::path::Path;
@@ -69,7 +70,7 @@ pub(crate) fn write(path: &Path, scene: &Scene, mesh: &Mesh) -> Result<(), Expor
         mesh.triangles.len()
     );
     let bytes = [header.into_bytes(), vertices, faces].concat();
-    std::fs::write(path, bytes).map_err(|e| ExportError::write(path, e))
+    write_file(path, &bytes)
 }
 
 fn push_vertex(scene: &Scene, v: usize, smooth: bool, to: &mut Vec<u8>) {

@@ -16,6 +16,7 @@
 //! y is indirect outgoing radiance [W/(sr m²)] for an isotropic point light of 1 W/sr a channel.
 
 use crate::ExportError;
+use crate::error::write_file;
 use rrf_field::columns;
 use rrf_field::inputs::NAMES;
 use rrf_field::model::CellModel;
@@ -47,7 +48,7 @@ pub fn write_safetensors(
         .iter()
         .map(|(name, dtype, shape, bytes)| {
             let view = TensorView::new(*dtype, shape.clone(), bytes);
-            Ok((name, view.map_err(|e| ExportError::write(path, e))?))
+            Ok((name, view.map_err(|e| ExportError::encode(path, e))?))
         })
         .collect::<Result<Vec<_>, ExportError>>()?;
     let mut metadata: HashMap<String, String> = facts
@@ -58,9 +59,9 @@ pub fn write_safetensors(
     metadata.insert("inputs".into(), NAMES.join(" "));
     metadata.insert("raw_columns".into(), columns::NAMES.join(" "));
     let bytes = safetensors::serialize(views, Some(metadata))
-        .map_err(|e| ExportError::write(path, e))
-        .and_then(|bytes| sort_header(&bytes).map_err(|e| ExportError::write(path, e)))?;
-    std::fs::write(path, bytes).map_err(|e| ExportError::write(path, e))
+        .map_err(|e| ExportError::encode(path, e))
+        .and_then(|bytes| sort_header(&bytes).map_err(|e| ExportError::encode(path, e)))?;
+    write_file(path, &bytes)
 }
 
 /// The file with the names of its header in order: the library keeps metadata in a hash map, whose

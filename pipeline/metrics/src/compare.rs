@@ -56,8 +56,8 @@ pub fn compare(
     if reference.pixels.is_empty() {
         return Err(MetricsError::Empty);
     }
-    reference.check_finite("first")?;
-    test.check_finite("second")?;
+    reference.check_finite("reference")?;
+    test.check_finite("tested")?;
     let mean_luminance = |p: &Picture| mean(p.pixels.iter().map(|&p| f64::from(luminance(p))));
     let reference_luminance = mean_luminance(reference);
     if reference_luminance <= 0.0 {

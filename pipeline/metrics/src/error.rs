@@ -20,7 +20,7 @@ pub enum MetricsError {
     /// A pixel that is not a number or not finite.
     #[error("the {picture} picture has {value} at x {x}, y {y} (from the top left)")]
     NotFinite {
-        /// "first" or "second".
+        /// "reference" or "tested".
         picture: &'static str,
         /// Column from the left.
         x: u32,

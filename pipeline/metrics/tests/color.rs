@@ -102,7 +102,7 @@ fn pictures_that_cannot_be_compared_are_refused() {
     let refused = compare(&good, &bad, None).unwrap_err();
     assert!(matches!(
         refused,
-        MetricsError::NotFinite { picture: "second", x: 1, y: 1, value } if value.is_nan()
+        MetricsError::NotFinite { picture: "tested", x: 1, y: 1, value } if value.is_nan()
     ));
     bad.pixels[4].y = f32::INFINITY;
     let refused = compare(&bad, &good, None).unwrap_err();

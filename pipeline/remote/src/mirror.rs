@@ -170,7 +170,7 @@ fn list(root: &Path, folder: &str, names: &mut Vec<String>) -> Result<(), Remote
             if inner != "staging" {
                 list(root, &inner, names)?;
             }
-        } else if !name.ends_with(".tmp") {
+        } else if !name.ends_with(".tmp") && inner != "lock" {
             names.push(inner);
         }
     }

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// A file cannot be written.
-    #[error("{path}: cannot be written: {reason}", path = path.display())]
+    #[error("{path}: cannot be written: {source}", path = path.display())]
     Write {
         /// The file.
         path: PathBuf,
-        /// The reason.
-        reason: String,
+        /// The system's reason.
+        source: std::io::Error,
     },
     /// A file cannot be read as an OpenEXR picture.
     #[error("{path}: cannot be read as OpenEXR: {reason}", path = path.display())]
@@ -108,6 +108,9 @@ pub enum RenderError {
 impl RenderError {
     /// Whether other input is needed; otherwise the same could succeed if tried again.
     pub fn is_bad_input(&self) -> bool {
-        !matches!(self, RenderError::Write { .. })
+        match self {
+            RenderError::Write { source, .. } => rrf_files::is_permanent(source),
+            _ => true,
+        }
     }
 }

@@ -24,11 +24,13 @@
 
 pub mod hash;
 mod philox;
+mod roulette;
 pub mod sobol;
 mod stage;
 mod stream;
 pub mod warp;
 
 pub use philox::{philox4x32, unit};
+pub use roulette::roulette_tail;
 pub use stage::Stage;
 pub use stream::{Dimensions, Stream};

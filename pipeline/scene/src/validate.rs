@@ -32,6 +32,11 @@ pub(crate) fn validate(mut scene: Scene) -> Result<Scene, SceneError> {
         scene.warn(message);
     }
     warn_of_coplanar(&mut scene);
+    if absorbs_nothing(&scene) {
+        let message = "no surface absorbs light: in a closed room it never ends, and paths are \
+                       cut by chance after 128 reflections; lower the reflectance";
+        scene.warn(message);
+    }
     Ok(scene)
 }
 
@@ -45,6 +50,16 @@ fn refuse<T>(
         place: place.into(),
         message: message.into(),
     })
+}
+
+/// Whether every surface reflects all light in some channel.
+fn absorbs_nothing(scene: &Scene) -> bool {
+    const ALL: f32 = 0.999;
+    let reflects_all = |&id: &u32| {
+        let material = scene.materials.get(id as usize);
+        material.is_some_and(|m| m.base_texture == INVALID && m.base_color.max_element() >= ALL)
+    };
+    !scene.triangle_material.is_empty() && scene.triangle_material.iter().all(reflects_all)
 }
 
 /// The name of a triangle's object, for messages.

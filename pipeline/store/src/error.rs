@@ -1,7 +1,7 @@
 //! Why a table was refused or not written: facts, place and remedy.
 
 use std::io::ErrorKind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What went wrong with a file of a run or a table of points.
 #[derive(Debug, thiserror::Error)]
@@ -132,6 +132,14 @@ pub enum StoreError {
         /// The cell's folder.
         path: PathBuf,
     },
+    /// Another process works on the folder.
+    #[error("{path}: in use by {holder}. Wait until it is done, or choose another folder", path = path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+        /// Who holds it: `rrf bake (process 42 on host)`.
+        holder: String,
+    },
     /// The folder holds no run.
     #[error("{path}: not a run folder (no run.json in it). Make one with `rrf bake SCENE -o {path}`", path = path.display())]
     NotARun {
@@ -157,22 +165,51 @@ pub enum StoreError {
 }
 
 impl StoreError {
+    /// Whether a file of a run is not the one that was written: damaged, or of another run. One
+    /// that a task makes can be made again.
+    pub fn is_damage(&self) -> bool {
+        match self {
+            StoreError::Corrupt { .. }
+            | StoreError::Unsupported { .. }
+            | StoreError::Schema { .. }
+            | StoreError::Version { .. }
+            | StoreError::Foreign { .. }
+            | StoreError::TooLarge { .. }
+            | StoreError::BadValue { .. }
+            | StoreError::Model { .. } => true,
+            StoreError::Io { source, .. } => source.kind() == ErrorKind::NotFound,
+            _ => false,
+        }
+    }
+
+    /// The file concerned, where there is one.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            StoreError::Io { path, .. }
+            | StoreError::Corrupt { path, .. }
+            | StoreError::Unsupported { path, .. }
+            | StoreError::Schema { path, .. }
+            | StoreError::Version { path, .. }
+            | StoreError::Foreign { path, .. }
+            | StoreError::TooLarge { path, .. }
+            | StoreError::BadValue { path, .. }
+            | StoreError::Model { path, .. }
+            | StoreError::Stray { path }
+            | StoreError::UnknownFormat { path }
+            | StoreError::NoSamples { path }
+            | StoreError::Busy { path, .. }
+            | StoreError::NotARun { path } => Some(path),
+            StoreError::Columns { .. } | StoreError::BuiltIn { .. } => None,
+        }
+    }
+
     /// Whether the same call fails again until a person changes the input (exit code 2).
     /// Otherwise it could succeed when tried again (exit code 1): full disk, interrupted
     /// or failing device.
     pub fn is_bad_input(&self) -> bool {
         match self {
-            StoreError::Io { source, .. } => matches!(
-                source.kind(),
-                ErrorKind::NotFound
-                    | ErrorKind::PermissionDenied
-                    | ErrorKind::ReadOnlyFilesystem
-                    | ErrorKind::NotADirectory
-                    | ErrorKind::IsADirectory
-                    | ErrorKind::AlreadyExists
-                    | ErrorKind::InvalidInput
-                    | ErrorKind::InvalidFilename
-            ),
+            StoreError::Io { source, .. } => rrf_files::is_permanent(source),
+            StoreError::Busy { .. } => false,
             _ => true,
         }
     }

@@ -8,6 +8,7 @@ use std::path::Path;
 
 pub(crate) const KEY_SCENE: &str = "rrf.scene_hash";
 pub(crate) const KEY_SEED: &str = "rrf.seed";
+pub(crate) const KEY_RUN: &str = "rrf.run";
 pub(crate) const KEY_TASK: &str = "rrf.task";
 pub(crate) const KEY_CELL: &str = "rrf.cell";
 pub(crate) const KEY_PART: &str = "rrf.part";

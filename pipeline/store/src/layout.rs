@@ -2,6 +2,7 @@
 
 use crate::atomic::io_error;
 use crate::error::StoreError;
+use rrf_files::{is_staged_name, remove_left_over};
 use std::ffi::OsStr;
 use std::fs::DirEntry;
 use std::io::ErrorKind;
@@ -81,14 +82,14 @@ pub fn list_parts(run: &Path, cell: u32) -> Result<Vec<u32>, StoreError> {
 }
 
 /// Removes what killed writers left: unfinished files in `staging/` and, named `.NAME.N.tmp`,
-/// beside the files that they would have become. A writer still at work fails and can be tried
-/// again; no file that a reader knows is touched.
+/// beside the files that they would have become. The files of a writer still at work stay, and
+/// no file that a reader knows is touched.
 ///
 /// # Errors
 /// [`StoreError::Io`].
 pub fn remove_unfinished(run: &Path) -> Result<(), StoreError> {
     remove_files(&staging_folder(run), &|name| name.ends_with(".tmp"))?;
-    let hidden = |name: &str| name.starts_with('.') && is_temporary(name);
+    let hidden = |name: &str| name.starts_with('.') && is_staged_name(name);
     for entry in entries(run)? {
         if entry.file_name() == *OsStr::new("samples") {
             continue;
@@ -99,12 +100,6 @@ pub fn remove_unfinished(run: &Path) -> Result<(), StoreError> {
         }
     }
     Ok(())
-}
-
-/// Whether a name is one that [`crate::atomic`] stages under: `NAME.N.tmp`.
-fn is_temporary(name: &str) -> bool {
-    let number = name.strip_suffix(".tmp").and_then(|n| n.rsplit_once('.'));
-    number.is_some_and(|(_, n)| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
 }
 
 fn remove_files(folder: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<(), StoreError> {
@@ -118,13 +113,12 @@ fn remove_files(folder: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<(), Stor
 }
 
 fn remove_if(entry: &DirEntry, wanted: &dyn Fn(&str) -> bool) -> Result<(), StoreError> {
-    if !entry.file_name().to_str().is_some_and(wanted) {
+    let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+    if !is_file || !entry.file_name().to_str().is_some_and(wanted) {
         return Ok(());
     }
-    match std::fs::remove_file(entry.path()) {
-        Err(e) if e.kind() != ErrorKind::NotFound => Err(io_error(&entry.path(), "remove", e)),
-        _ => Ok(()),
-    }
+    let path = entry.path();
+    remove_left_over(&path).map_err(|e| io_error(&path, "remove", e))
 }
 
 /// Links are not followed.

@@ -12,7 +12,8 @@
 //!   ([`part_reader`]); [`layout`] knows the names;
 //! - [`model`] writes and reads `RUN/model/{tree,weights,metrics}.arrow`;
 //! - [`points`] reads tables of queries and writes them again with answers appended;
-//! - [`atomic`] makes every file appear whole or not at all.
+//! - [`atomic`] makes every file appear whole or not at all, and [`lock`] keeps a second process
+//!   from working on a run.
 //!
 //! Files may be damaged or hostile. [`Limits`] say how much one may ask for, claims are checked
 //! before the decoders of arrow and parquet believe them, a panic of theirs becomes an error, and
@@ -40,8 +41,10 @@ pub mod error;
 mod facts;
 mod formats;
 pub mod layout;
+pub mod lock;
 pub mod manifest;
 pub mod model;
+pub mod ours;
 pub mod points;
 pub mod samples;
 pub mod schema;

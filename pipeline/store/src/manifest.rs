@@ -2,7 +2,7 @@
 
 use crate::atomic::{atomic_write, create_folder, io_error};
 use crate::error::StoreError;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Version of `run.json` and of the folder's layout.
@@ -54,6 +54,21 @@ impl RunManifest {
         }
     }
 
+    /// blake3 of everything that a model depends on, 64 hexadecimal digits: all but the place of the
+    /// scene file.
+    ///
+    /// # Errors
+    /// [`StoreError::Corrupt`] for settings that are no JSON.
+    pub fn hash(&self, run: &Path) -> Result<String, StoreError> {
+        let placeless = RunManifest {
+            scene: PathBuf::new(),
+            ..self.clone()
+        };
+        let text = serde_json::to_vec(&placeless);
+        let text = text.map_err(|e| corrupt(&RunManifest::path(run), e))?;
+        Ok(blake3::hash(&text).to_hex().to_string())
+    }
+
     /// Writes `RUN/run.json`, making the folder where missing.
     ///
     /// # Errors
@@ -73,23 +88,12 @@ impl RunManifest {
     /// [`StoreError::NotARun`] without one, [`StoreError::Version`], [`StoreError::Corrupt`].
     pub fn read(run: &Path) -> Result<RunManifest, StoreError> {
         let path = RunManifest::path(run);
-        let mut text = Vec::new();
-        let size = std::fs::File::open(&path)
-            .and_then(|file| file.take(LIMIT + 1).read_to_end(&mut text))
-            .map_err(|e| match e.kind() {
-                ErrorKind::NotFound | ErrorKind::NotADirectory => {
-                    StoreError::NotARun { path: run.into() }
-                }
-                _ => io_error(&path, "read", e),
-            })?;
-        if size as u64 > LIMIT {
-            return Err(StoreError::TooLarge {
-                path,
-                what: "its size in bytes",
-                found: size as u64,
-                limit: LIMIT,
-            });
-        }
+        let text = rrf_files::read_regular(&path, LIMIT).map_err(|e| match e.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => {
+                StoreError::NotARun { path: run.into() }
+            }
+            _ => io_error(&path, "read", e),
+        })?;
         let value: serde_json::Value =
             serde_json::from_slice(&text).map_err(|e| corrupt(&path, e))?;
         let format = value.get("format").cloned().unwrap_or_default();

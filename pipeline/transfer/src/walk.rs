@@ -200,7 +200,8 @@ impl<'a> Walker<'a> {
                 self.deposit(&path, column, weight * (directions / PI));
             }
             let throughput = path.throughput * weight.max_element();
-            let survival = (self.keep * throughput / path.first).min(1.0);
+            let keep = self.keep * rrf_sampling::roulette_tail(bounce);
+            let survival = (keep * throughput / path.first).min(1.0);
             if u[3] >= survival || throughput < f32::MIN_POSITIVE {
                 continue;
             }

@@ -43,7 +43,12 @@ fn taken(run: &Run, job: &Job, part: &PartPlan) -> Result<Option<SampleTable>, B
     if !part_path(&run.folder, cell, number).exists() {
         return Ok(None);
     }
-    let table = parts::read_part(&run.folder, cell, number, &run.facts())?;
+    let table = match parts::read_part(&run.folder, cell, number, &run.facts()) {
+        Ok(table) => table,
+        // the draw makes the same rows
+        Err(error) if error.is_damage() => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
     let of_draw = |index: &u64| (index >> 32) as u32 == part.draw;
     if !table.index.iter().all(of_draw) {
         return Err(BakeError::Plan {

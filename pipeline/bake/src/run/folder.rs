@@ -6,9 +6,12 @@ use crate::run::json::corrupt;
 use crate::run::manifest::{expect_same, manifest};
 use crate::settings::BakeConfig;
 use rrf_scene::Scene;
-use rrf_store::layout::{model_folder, round_folder};
+use rrf_store::layout::round_folder;
+use rrf_store::lock::FolderLock;
 use rrf_store::manifest::{RunFacts, RunManifest};
+use rrf_store::model;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// An open run folder.
 #[derive(Clone, Debug)]
@@ -19,12 +22,16 @@ pub struct Run {
     pub manifest: RunManifest,
     /// The settings in it.
     pub config: BakeConfig,
+    /// Keeps other processes from working on the folder.
+    pub(crate) lock: Option<Arc<FolderLock>>,
 }
 
 impl Run {
-    /// Starts a run, or opens the same one to continue it.
+    /// Starts a run, or opens the same one to continue it. No other process can begin, continue or
+    /// commit it until the run is dropped or this process ends.
     ///
     /// # Errors
+    /// [`StoreError::Busy`](rrf_store::StoreError::Busy) where another process works on it;
     /// [`BakeError::Extract`] for settings that the scene does not allow, [`BakeError::Exists`] for
     /// an existing run where `resume` is not set, [`BakeError::OtherRun`] where it was started with
     /// another scene or other settings, [`BakeError::Store`].
@@ -36,7 +43,8 @@ impl Run {
     ) -> Result<Run, BakeError> {
         // before anything is written: a folder with a manifest counts as a run
         config.validate(scene)?;
-        let run = Run::unwritten(folder, scene, config)?;
+        let mut run = Run::unwritten(folder, scene, config)?;
+        run.lock = Some(FolderLock::take(folder)?);
         if !run.exists() {
             run.manifest.write(folder)?;
             return Ok(run);
@@ -48,7 +56,10 @@ impl Run {
         }
         let found = Run::open(folder)?;
         expect_same(folder, (&found.manifest, &found.config), &run.manifest)?;
-        Ok(found)
+        Ok(Run {
+            lock: run.lock,
+            ..found
+        })
     }
 
     /// A run with these settings, of which nothing is written yet.
@@ -61,10 +72,25 @@ impl Run {
             folder: folder.into(),
             manifest: manifest(scene, config)?,
             config: config.clone(),
+            lock: None,
         })
     }
 
-    /// Opens an existing run.
+    /// Opens an existing run to work on it, as [`Run::create`] does.
+    ///
+    /// # Errors
+    /// [`BakeError::Store`], [`StoreError::Busy`](rrf_store::StoreError::Busy) among it.
+    pub fn open_to_work(folder: &Path) -> Result<Run, BakeError> {
+        // a folder without a run gets no lock
+        RunManifest::read(folder)?;
+        let lock = FolderLock::take(folder)?;
+        Ok(Run {
+            lock: Some(lock),
+            ..Run::open(folder)?
+        })
+    }
+
+    /// Opens an existing run to read it, or to do one of its tasks: any number of processes may.
     ///
     /// # Errors
     /// [`BakeError::Store`].
@@ -76,6 +102,7 @@ impl Run {
             folder: folder.into(),
             manifest,
             config,
+            lock: None,
         })
     }
 
@@ -126,12 +153,18 @@ impl Run {
         }
     }
 
-    /// Whether all tables of a model exist.
-    pub(crate) fn has_model(&self) -> bool {
-        let folder = model_folder(&self.folder);
-        let tables = ["tree", "weights", "metrics"];
-        let path = |table: &str| folder.join(format!("{table}.arrow"));
-        tables.iter().all(|table| path(table).exists())
+    /// Whether all tables of the model exist, whole and of this run.
+    ///
+    /// # Errors
+    /// [`BakeError::Store`] where they cannot be read.
+    pub(crate) fn has_model(&self) -> Result<bool, BakeError> {
+        let facts = self.facts();
+        let model = model::read_model(&self.folder, &facts);
+        match model.and_then(|_| model::read_metrics(&self.folder, &facts)) {
+            Ok(_) => Ok(true),
+            Err(error) if error.is_damage() => Ok(false),
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// The path of a file of a round.

@@ -8,7 +8,9 @@ use crate::run::manifest::manifest;
 use crate::settings::BakeConfig;
 use rrf_scene::Scene;
 use rrf_store::layout::round_folder;
+use rrf_store::lock::FolderLock;
 use rrf_store::manifest::RunManifest;
+use rrf_store::ours::files_of_others;
 use rrf_store::parts::remove_part;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -20,11 +22,13 @@ impl Run {
     /// inputs find done. A folder without a run is left alone.
     ///
     /// # Errors
-    /// [`BakeError::Store`].
+    /// [`BakeError::NotOurs`] where a file would be removed that no run writes: nothing is removed
+    /// then. [`BakeError::Store`].
     pub fn renew(folder: &Path, scene: &Scene, config: &BakeConfig) -> Result<(), BakeError> {
         if !RunManifest::path(folder).exists() {
             return Ok(());
         }
+        let _lock = FolderLock::take(folder)?;
         let found = RunManifest::read(folder)?;
         let asked = manifest(scene, config)?;
         if found == asked {
@@ -37,6 +41,13 @@ impl Run {
             true => &["model"],
             false => &["model", "samples", "test", "rounds"],
         };
+        let others = files_of_others(folder, gone)?;
+        if !others.is_empty() {
+            return Err(BakeError::NotOurs {
+                path: folder.into(),
+                others,
+            });
+        }
         for name in gone {
             remove_folder(&folder.join(name))?;
         }

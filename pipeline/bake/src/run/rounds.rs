@@ -7,8 +7,11 @@ use crate::plan::task::{Task, TaskKind};
 use crate::policy::tasks::{entries, shards, task_rows};
 use crate::run::folder::Run;
 use crate::run::json::{corrupt, read_json, remove_file, write_json};
+use rrf_store::StoreError;
 use rrf_store::atomic::create_folder;
-use rrf_store::layout::{chapter_path, fit_folder, round_folder, task_table_path};
+use rrf_store::layout::{
+    TEST, cell_folder, chapter_path, fit_folder, round_folder, samples_folder, task_table_path,
+};
 use rrf_store::parts::remove_part;
 use rrf_store::task_table::write_tasks;
 use rrf_store::{model, parts};
@@ -35,7 +38,7 @@ impl Run {
             let committed = found.is_some();
             let ended = found.as_ref().is_some_and(|found| found.stop.is_some());
             evaluated = found.or(evaluated);
-            let lost = ended && (!self.has_model() || self.unfinished(&plan)? > 0);
+            let lost = ended && (!self.has_model()? || self.unfinished(&plan)? > 0);
             if !committed || lost {
                 return Ok(Progress {
                     evaluated,
@@ -123,17 +126,45 @@ impl Run {
         Ok(entries.into_iter().map(|entry| entry.task).collect())
     }
 
-    /// Whether the output of a task exists.
+    /// Whether the output of a task exists, whole. One that is damaged or of another run is not
+    /// done: the task makes it again.
     ///
     /// # Errors
-    /// [`BakeError::Store`] for an output that is damaged or belongs to another run.
+    /// [`BakeError::Store`] for an output that cannot be read.
     pub fn is_done(&self, task: &Task) -> Result<bool, BakeError> {
         let (folder, facts) = (&self.folder, self.facts());
         let found = match (task.kind, task.part) {
-            (TaskKind::Extract, Some(part)) => parts::part_task(folder, task.cell, part, &facts)?,
-            _ => model::fit_task(&fit_folder(folder, task.round, task.cell), &facts)?,
+            (TaskKind::Extract, Some(part)) => parts::part_task(folder, task.cell, part, &facts),
+            _ => model::fit_task(&fit_folder(folder, task.round, task.cell), &facts),
+        };
+        let found = match found {
+            Err(error) if error.is_damage() => None,
+            found => found?,
         };
         Ok(found.as_deref() == Some(task.hash.as_str()))
+    }
+
+    /// Removes the output of a task that an error names as damaged, so that the task is done again;
+    /// false where it names none.
+    ///
+    /// # Errors
+    /// [`BakeError::Store`] where it cannot be removed.
+    pub(crate) fn discard(&self, damage: &StoreError) -> Result<bool, BakeError> {
+        let Some(path) = damage.path().filter(|_| damage.is_damage()) else {
+            return Ok(false);
+        };
+        let samples = [
+            samples_folder(&self.folder),
+            cell_folder(&self.folder, TEST),
+        ];
+        let is_fit = path.components().any(|part| part.as_os_str() == "fits");
+        let is_output = samples.iter().any(|folder| path.starts_with(folder))
+            || (is_fit && path.starts_with(&self.folder));
+        if !is_output || !path.is_file() {
+            return Ok(false);
+        }
+        remove_file(path)?;
+        Ok(true)
     }
 
     /// Number of tasks of a round that are not done.

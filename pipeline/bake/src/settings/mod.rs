@@ -52,19 +52,19 @@ pub struct Settings {
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = input)]
     pub inputs: Option<Vec<String>>,
     /// Rows of all cells together, instead of the preset's number.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub rows: Option<u32>,
     /// Paths for each row, instead of the preset's number.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65_536))]
     pub paths: Option<u32>,
     /// Maximum of cells in the first round, instead of the preset's.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub cells: Option<u32>,
     /// Maximum of rounds, instead of the preset's.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: Option<u32>,
     /// Maximum of cells in all rounds, instead of the preset's.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub most_cells: Option<u32>,
     /// Keep the size of the nets when the target is met, instead of making them smaller until it is
     /// only just met.

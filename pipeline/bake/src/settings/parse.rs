@@ -76,11 +76,28 @@ impl FromStr for Hidden {
         let units: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
         match units {
             Ok(units) if units.len() <= 2 && units.iter().all(|n| (1..=256).contains(n)) => {
-                Ok(Hidden(units))
+                match weights(&units) {
+                    0..=MOST_WEIGHTS => Ok(Hidden(units)),
+                    most => Err(format!(
+                        "makes up to {most} weights; the solver's matrix takes at most {MOST_WEIGHTS}"
+                    )),
+                }
             }
             _ => Err("needs one or two layers of 1 to 256 units, for example 20,10".into()),
         }
     }
+}
+
+/// Most weights of a net: a step of the solver takes the square of their number, 512 MiB.
+const MOST_WEIGHTS: usize = 8192;
+
+/// Weights of a net of three outputs with all inputs.
+fn weights(hidden: &[usize]) -> usize {
+    let layers = hidden.iter().copied().chain([3]);
+    let (sum, _) = layers.fold((0, rrf_field::inputs::NAMES.len()), |(sum, from), to| {
+        (sum + (from + 1) * to, to)
+    });
+    sum
 }
 
 /// The name of an input of a net.

@@ -6,7 +6,7 @@ use super::parse::{
 use crate::failure::BadInput;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
-use rrf_bake::settings::parse::positive;
+use rrf_bake::settings::parse::{number, positive};
 use rrf_lights::{DistantLight, LightSource, OwnLight, sky_direction};
 use rrf_metrics::tone::Exposure;
 use rrf_render::{Lights, View, position_text};
@@ -80,7 +80,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub aa: u32,
     /// Exposure of the PNG in stops; by default chosen from the picture and printed.
-    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true, value_parser = number)]
     pub exposure: Option<f32>,
 }
 

@@ -63,7 +63,7 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
 /// Trains and evaluates the round that is extracted.
 pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
     let location = RunLocation::whole(&args.run)?;
-    let mut run = Run::open(location.folder())?;
+    let mut run = Run::open_to_work(location.folder())?;
     run.config.train.mode = mode(args);
     let progress = run.progress()?;
     let Some(plan) = progress.todo else {

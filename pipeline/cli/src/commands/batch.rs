@@ -6,6 +6,7 @@ use crate::failure::{BadInput, exit_code, message};
 use crate::progress::Bars;
 use rrf_bake::{BakeConfig, Run, SamplingContext, Settings};
 use rrf_scene::Scene;
+use rrf_store::lock::FolderLock;
 use rrf_trace::Tracer;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -13,6 +14,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 use toml::Table;
+
+/// Most bytes of a batch file.
+const MAX_BATCH: u64 = 16 << 20;
 
 /// The file.
 #[derive(Debug, Deserialize)]
@@ -68,8 +72,7 @@ pub fn run(args: &RunArgs, quiet: bool) -> anyhow::Result<()> {
     if args.dry_run {
         return jobs.iter().try_for_each(preview);
     }
-    fs::create_dir_all(&output)?;
-    let _lock = lock(&output)?;
+    let _lock = FolderLock::take(&output)?;
     let mut log = Log::open(&output)?;
     log.line(&format!("{}: {} runs", args.batch.display(), jobs.len()))?;
     let watch = Bars::new(quiet, &args.bounds)?;
@@ -105,8 +108,9 @@ pub fn run(args: &RunArgs, quiet: bool) -> anyhow::Result<()> {
 }
 
 fn read(path: &Path) -> anyhow::Result<Batch> {
-    let text = fs::read_to_string(path)
-        .map_err(|e| BadInput(format!("{}: cannot read: {e}", path.display())))?;
+    let unreadable = |e: String| BadInput(format!("{}: cannot read: {e}", path.display()));
+    let bytes = rrf_files::read_regular(path, MAX_BATCH).map_err(|e| unreadable(e.to_string()))?;
+    let text = String::from_utf8(bytes).map_err(|e| unreadable(e.to_string()))?;
     let batch: Batch =
         toml::from_str(&text).map_err(|e| BadInput(format!("{}: {e}", path.display())))?;
     Ok(batch)
@@ -161,12 +165,18 @@ fn seeds(table: &mut Table) -> Result<Vec<u64>, BadInput> {
     if table.contains_key("seed") {
         return Err(BadInput("seed: a batch has a list, seeds = [1, 2]".into()));
     }
-    match table.remove("seeds") {
-        Some(seeds) => seeds
-            .try_into()
-            .map_err(|e| BadInput(format!("seeds: {e}"))),
-        None => Ok(vec![1]),
+    let Some(seeds) = table.remove("seeds") else {
+        return Ok(vec![1]);
+    };
+    let seeds: Vec<u64> = seeds
+        .try_into()
+        .map_err(|e| BadInput(format!("seeds: {e}")))?;
+    let different: std::collections::BTreeSet<u64> = seeds.iter().copied().collect();
+    if seeds.is_empty() || different.len() < seeds.len() {
+        let reason = "seeds: one number or more is needed, each once, as in seeds = [1, 2]";
+        return Err(BadInput(reason.into()));
     }
+    Ok(seeds)
 }
 
 /// What the first round of a run would take.
@@ -224,19 +234,6 @@ fn perform(job: &Job, watch: &Bars) -> Outcome {
                 message: message(&error),
             }
         }
-    }
-}
-
-/// Held as long as the file is open: a second run of the batch does not start.
-fn lock(output: &Path) -> anyhow::Result<File> {
-    let path = output.join("lock");
-    let file = File::create(&path)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(fs::TryLockError::WouldBlock) => {
-            anyhow::bail!("{}: another `rrf run` is at work here", output.display())
-        }
-        Err(fs::TryLockError::Error(error)) => Err(error.into()),
     }
 }
 

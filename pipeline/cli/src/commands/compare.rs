@@ -1,6 +1,8 @@
 //! `rrf compare`: how far one frame is from another.
 
+use crate::failure::BadInput;
 use clap::Args;
+use rrf_bake::settings::parse::number;
 use rrf_metrics::compare;
 use rrf_metrics::tone::Exposure;
 use rrf_render::exr::{self, Selection};
@@ -21,7 +23,7 @@ pub struct CompareArgs {
     #[arg(long)]
     pub part: Option<String>,
     /// Exposure in stops for the colour differences; by default chosen from the reference.
-    #[arg(long, value_name = "STOPS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "STOPS", allow_hyphen_values = true, value_parser = number)]
     pub exposure: Option<f32>,
     /// Machine-readable output.
     #[arg(long)]
@@ -40,7 +42,11 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<()> {
     let selection = Selection { layer, part };
     let test = exr::read_exr_part(&args.a, selection)?;
     let reference = exr::read_exr_part(&args.b, selection)?;
-    let comparison = compare(&reference, &test, args.exposure.map(|ev| Exposure { ev }))?;
+    let exposure = args.exposure.map(|ev| Exposure { ev });
+    let comparison = compare(&reference, &test, exposure).map_err(|error| {
+        let (a, b) = (args.a.display(), args.b.display());
+        BadInput(format!("{a} (tested) against {b} (reference): {error}"))
+    })?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&comparison)?);
         return Ok(());

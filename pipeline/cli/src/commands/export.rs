@@ -36,6 +36,12 @@ pub struct ExportArgs {
 
 /// Writes what was asked for.
 pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
+    for file in args.safetensors.iter().chain(&args.onnx) {
+        rrf_store::atomic::check_writable(file)?;
+    }
+    if let Some(folder) = &args.mitsuba {
+        rrf_store::atomic::create_folder(folder)?;
+    }
     let location = RunLocation::model(&args.input)?;
     let run = location
         .folder()

@@ -11,6 +11,7 @@ mod render;
 mod scene;
 mod tasks;
 mod trace;
+mod verify;
 mod view;
 
 use crate::args::{self, Globals};
@@ -48,6 +49,7 @@ pub enum Command {
     /// Write all about one run on one HTML page.
     Report(external::ExternalArgs),
     Scene(scene::SceneArgs),
+    Verify(verify::VerifyArgs),
     View(view::ViewPageArgs),
     Doctor(doctor::DoctorArgs),
 }
@@ -55,6 +57,14 @@ pub enum Command {
 impl Command {
     /// Does it; gives the exit code of what went well.
     pub fn run(&self, globals: &Globals) -> anyhow::Result<ExitCode> {
+        if let Command::Bake(_)
+        | Command::Extract(_)
+        | Command::Train(_)
+        | Command::Run(_)
+        | Command::Task(_) = self
+        {
+            crate::memory::check_solver()?;
+        }
         match self {
             Command::Bake(args) => bake::bake(args, globals.quiet),
             Command::Extract(args) => bake::extract(args, globals.quiet),
@@ -73,6 +83,7 @@ impl Command {
             Command::Sweep(args) => return external::run("sweep", args, globals),
             Command::Report(args) => return external::run("report", args, globals),
             Command::Scene(args) => scene::run(args),
+            Command::Verify(args) => verify::run(args),
             Command::View(args) => view::run(args),
             Command::Doctor(_) => doctor::run(),
         }?;

@@ -120,6 +120,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let mut baked = Baked::open(&args.run, args.trust.trust_error)?;
     baked.scene = args.view.camera.relit(&baked.scene)?.into_owned();
     let shots = shots(args, &baked)?;
+    crate::memory::check_frame(shots[0].view.width, shots[0].view.height)?;
     let lights = &shots[0].lights;
     let tracer = Tracer::new(baked.shown(lights))?;
     let area_lights = baked.area_lights(lights)?;

@@ -27,7 +27,7 @@ pub fn plan(args: &PlanArgs) -> anyhow::Result<()> {
             rrf_bake::plan_first(&run, &context)?;
             run
         }
-        None => Run::open(location.folder())?,
+        None => Run::open_to_work(location.folder())?,
     };
     let Some(plan) = run.progress()?.todo else {
         match args.json {
@@ -129,7 +129,7 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
 /// Commits a round and plans the next one.
 pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
     let location = RunLocation::whole(&args.run)?;
-    let run = Run::open(location.folder())?;
+    let run = Run::open_to_work(location.folder())?;
     let Some(plan) = run.progress()?.todo else {
         if !args.json {
             println!("nothing to commit: the bake has ended");
@@ -205,9 +205,15 @@ fn index(args: &TaskArgs) -> Result<u32, BadInput> {
     }
     for name in ["SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_INDEX"] {
         if let Ok(text) = std::env::var(name) {
-            let bad = |_| BadInput(format!("{name}={text}: not an index"));
-            let index: u32 = text.parse().map_err(bad)?;
-            return Ok(index + args.offset);
+            let bad = || {
+                BadInput(format!(
+                    "{name}={text} with --offset {}: not an index from 0 to {}",
+                    args.offset,
+                    u32::MAX
+                ))
+            };
+            let index: u32 = text.parse().map_err(|_| bad())?;
+            return index.checked_add(args.offset).ok_or_else(bad);
         }
     }
     Err(BadInput(

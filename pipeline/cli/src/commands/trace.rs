@@ -3,7 +3,7 @@
 use crate::args::ViewArgs;
 use crate::failure::BadInput;
 use crate::table_lights::{LitRows, TableLight, by_light};
-use crate::{pictures, points, progress, reach, scene_file};
+use crate::{memory, pictures, points, progress, reach, scene_file};
 use arrow::array::{ArrayRef, Float32Array};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
@@ -80,6 +80,7 @@ pub fn run(args: &TraceArgs, quiet: bool) -> anyhow::Result<()> {
 fn trace_frame(args: &TraceArgs, scene: &Scene, quiet: bool) -> anyhow::Result<()> {
     pictures::check_endings(&args.output)?;
     let view = args.view.camera.view(scene)?;
+    memory::check_frame(view.width, view.height)?;
     let lights = args.view.camera.lights(scene)?;
     let lit = match lights.area {
         true => Cow::Borrowed(scene),

@@ -10,6 +10,7 @@ mod format;
 mod graph;
 
 use crate::ExportError;
+use crate::error::write_file;
 use expression::Expression;
 use format::{Entry, FLOAT, INT64, Model, OperatorSet};
 use graph::{Builder, Value, value_info};
@@ -69,7 +70,7 @@ pub fn write_onnx(
         }],
         metadata: facts.iter().map(entry).collect(),
     };
-    std::fs::write(path, model.encode_to_vec()).map_err(|e| ExportError::write(path, e))
+    write_file(path, &model.encode_to_vec())
 }
 
 /// \[rows\], as a tensor of shape \[1\].

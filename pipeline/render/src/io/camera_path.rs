@@ -12,6 +12,9 @@ use rrf_scene::PointLight;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Most bytes of a path: a million frames.
+const MAX_BYTES: u64 = 256 << 20;
+
 const XYZ: [&str; 3] = ["x", "y", "z"];
 const RGB: [&str; 3] = ["r", "g", "b"];
 
@@ -33,7 +36,8 @@ pub fn read_camera_path(file: &Path, size: [u32; 2]) -> Result<Vec<Shot>, Render
         path: file.to_path_buf(),
         reason,
     };
-    let text = std::fs::read_to_string(file).map_err(|e| refuse(e.to_string()))?;
+    let bytes = rrf_files::read_regular(file, MAX_BYTES).map_err(|e| refuse(e.to_string()))?;
+    let text = String::from_utf8(bytes).map_err(|e| refuse(e.to_string()))?;
     parse_camera_path(&text, size).map_err(refuse)
 }
 

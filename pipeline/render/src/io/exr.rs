@@ -10,6 +10,7 @@ use exr::prelude::{
     LayerAttributes, LineOrder, Text, WritableImage,
 };
 use glam::Vec3;
+use std::io::Cursor;
 use std::path::Path;
 
 pub use super::exr_file::{Selection, read_exr, read_exr_frame, read_exr_layer, read_exr_part};
@@ -44,13 +45,16 @@ pub fn write_exr(path: &Path, frame: &Frame) -> Result<(), RenderError> {
     };
     let size = (frame.width as usize, frame.height as usize);
     let covered = |c: &AnyChannel<FlatSamples>| c.sample_data.len() == size.0 * size.1;
-    replace_file(path, |staged| {
+    replace_file(path, || {
         if !channels.iter().all(covered) {
             return Err("a layer does not cover the frame".into());
         }
         let channels = AnyChannels::sort(channels.into());
         let image = Image::from_layer(Layer::new(size, attributes, ENCODING, channels));
-        image.write().to_file(staged).map_err(|e| e.to_string())
+        let mut bytes = Cursor::new(Vec::new());
+        let written = image.write().to_buffered(&mut bytes);
+        written.map_err(|e| e.to_string())?;
+        Ok(bytes.into_inner())
     })
 }
 

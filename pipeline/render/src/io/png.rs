@@ -6,6 +6,7 @@ use crate::frame::Frame;
 use image::{ImageFormat, Rgb, RgbImage};
 use rrf_metrics::Picture;
 use rrf_metrics::tone::{Exposure, srgb8};
+use std::io::Cursor;
 use std::path::Path;
 
 /// An 8-bit sRGB picture.
@@ -47,9 +48,11 @@ pub fn cell_color(cell: u32) -> [u8; 3] {
 
 /// Writes a picture, whole or not at all.
 pub fn write_png(path: &Path, shown: &Shown) -> Result<(), RenderError> {
-    replace_file(path, |staged| {
-        let saved = shown.save_with_format(staged, ImageFormat::Png);
-        saved.map_err(|e| e.to_string())
+    replace_file(path, || {
+        let mut bytes = Cursor::new(Vec::new());
+        let saved = shown.write_to(&mut bytes, ImageFormat::Png);
+        saved.map_err(|e| e.to_string())?;
+        Ok(bytes.into_inner())
     })
 }
 

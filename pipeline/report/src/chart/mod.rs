@@ -33,11 +33,12 @@ impl Chart<'_> {
     /// # Errors
     /// [`ReportError::Draw`], [`ReportError::File`].
     pub fn write_files(self, folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
-        std::fs::create_dir_all(folder).map_err(|e| ReportError::file(folder, "be made", e))?;
+        rrf_files::make_folder(folder).map_err(|e| ReportError::file(folder, "be made", e))?;
         let [svg, png, page] =
             ["svg", "png", "html"].map(|ending| folder.join(format!("{}.{ending}", self.name)));
         let text = chart_svg(self.panels)?;
-        std::fs::write(&svg, text).map_err(|e| ReportError::file(&svg, "be written", e))?;
+        rrf_files::replace(&svg, text.as_bytes())
+            .map_err(|e| ReportError::file(&svg, "be written", e))?;
         write_chart_png(&png, self.panels)?;
         let plots = interactive::interactive_plots(self.panels);
         let body = html! { (self.about) (plots) (self.below) };

@@ -3,10 +3,12 @@
 
 use crate::atomic::io_error;
 use crate::error::StoreError;
+use std::cell::Cell;
 use std::fs::File;
 use std::io::Read;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::path::Path;
+use std::sync::Once;
 
 /// How much memory a file may ask for.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +27,34 @@ impl Default for Limits {
             batch_rows: 65_536,
         }
     }
+}
+
+/// Words by which the decoders say that a file is sound but beyond them.
+const UNSUPPORTED: [&str; 3] = [
+    "Disabled feature at compile time",
+    "NYI: ",
+    "Not yet implemented",
+];
+
+thread_local! {
+    static IS_DECODING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs a decoder whose panics become errors, without the trace that a panic prints.
+fn quietly<T>(decode: impl FnOnce() -> T) -> std::thread::Result<T> {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let before = take_hook();
+        set_hook(Box::new(move |panic| {
+            if !IS_DECODING.get() {
+                before(panic);
+            }
+        }));
+    });
+    let before = IS_DECODING.replace(true);
+    let result = catch_unwind(AssertUnwindSafe(decode));
+    IS_DECODING.set(before);
+    result
 }
 
 /// What is being read, for messages.
@@ -64,10 +94,16 @@ impl Guard<'_> {
     /// The whole file, which must not be larger than what may be decoded from it.
     pub(crate) fn read(&self, limits: Limits) -> Result<Vec<u8>, StoreError> {
         let fail = |e| io_error(self.path, "read", e);
+        let found = self.path.metadata().map_err(fail)?;
+        if !found.is_file() && !found.is_dir() {
+            // a device or pipe may never end, or never begin
+            let what = "it is no regular file".to_owned();
+            return Err(self.unsupported(what, "Copy it into a file first"));
+        }
         let file = File::open(self.path).map_err(fail)?;
         let size = file.metadata().map_err(fail)?.len();
         let mut bytes = Vec::new();
-        // A file can grow, and a device has no size.
+        // A file can grow.
         if size <= limits.decoded_bytes {
             let mut rest = file.take(limits.decoded_bytes.saturating_add(1));
             rest.read_to_end(&mut bytes).map_err(fail)?;
@@ -84,9 +120,16 @@ impl Guard<'_> {
         &self,
         decode: impl FnOnce() -> Result<T, E>,
     ) -> Result<T, StoreError> {
-        match catch_unwind(AssertUnwindSafe(decode)) {
+        match quietly(decode) {
             Ok(Ok(value)) => Ok(value),
-            Ok(Err(error)) => Err(self.corrupt(error)),
+            Ok(Err(error)) => {
+                let reason = error.to_string();
+                if UNSUPPORTED.iter().any(|words| reason.contains(words)) {
+                    let what = format!("it uses what is not read here: {reason}");
+                    return Err(self.unsupported(what, "Write it with another compression"));
+                }
+                Err(self.corrupt(reason))
+            }
             Err(_) => Err(self.corrupt("the decoder gave up")),
         }
     }

@@ -2,7 +2,7 @@
 //! row each, `weights.arrow` and `metrics.arrow`, beside the fit's course, `steps.arrow`. The
 //! weights come last: a fit that has them is whole.
 
-use super::{CellMetrics, path_in, read, read_batch, rows, source, weights};
+use super::{CellMetrics, path_in, read_batch, rows, source, weights};
 use super::{write, write_models};
 use crate::error::StoreError;
 use crate::facts::{KEY_TASK, fact};
@@ -33,11 +33,12 @@ pub struct Fit {
 /// # Errors
 /// [`StoreError::Model`] for what could not be read back, [`StoreError::Io`].
 pub fn write_fit(folder: &Path, fit: &Fit, facts: &RunFacts) -> Result<(), StoreError> {
+    let task = [(KEY_TASK, fit.task.clone())];
     write(
         &path_in(folder, Table::Metrics),
         &[&fit.metrics],
         facts,
-        &[],
+        &task,
     )?;
     let mut more = vec![(KEY_TASK, fit.task.clone())];
     more.extend(
@@ -54,12 +55,11 @@ pub fn write_fit(folder: &Path, fit: &Fit, facts: &RunFacts) -> Result<(), Store
 /// # Errors
 /// As [`read_fit`].
 pub fn fit_task(folder: &Path, facts: &RunFacts) -> Result<Option<String>, StoreError> {
-    let path = path_in(folder, Table::Weights);
-    if !path.exists() {
+    if !path_in(folder, Table::Weights).exists() {
         return Ok(None);
     }
-    let batch = read_batch(&path, Table::Weights, facts)?;
-    Ok(Some(fact(batch.schema_ref(), KEY_TASK)))
+    // a fit that lost a table, or a bit of it, is none
+    read_fit(folder, facts).map(|fit| Some(fit.task))
 }
 
 /// Reads a fit.
@@ -79,13 +79,19 @@ pub fn read_fit(folder: &Path, facts: &RunFacts) -> Result<Fit, StoreError> {
         ),
     };
     let models = weights::from_rows(rows(&batch, &path)?, source)?;
-    let metrics: Vec<CellMetrics> = read(&path_in(folder, Table::Metrics), facts)?;
+    let task = fact(batch.schema_ref(), KEY_TASK);
+    let metrics_path = path_in(folder, Table::Metrics);
+    let metrics_batch = read_batch(&metrics_path, Table::Metrics, facts)?;
+    if fact(metrics_batch.schema_ref(), KEY_TASK) != task {
+        return Err(source.model("fit".into(), "weights and metrics are of different fits"));
+    }
+    let metrics: Vec<CellMetrics> = rows(&metrics_batch, &metrics_path)?;
     match (<[_; 1]>::try_from(models), <[_; 1]>::try_from(metrics)) {
         (Ok([model]), Ok([metrics])) if model.cell == metrics.cell_id => Ok(Fit {
             model,
             metrics,
             domain,
-            task: fact(batch.schema_ref(), KEY_TASK),
+            task,
         }),
         _ => Err(source.model(
             "fit".into(),

@@ -1,11 +1,12 @@
 //! The model's three tables: `model/tree.arrow`, `weights.arrow` and `metrics.arrow`.
 //!
 //! Uncompressed Arrow IPC files, so that any Arrow reader opens them without this program.
-//! Scene hash and seed are in their schema metadata. What is read back is checked as a whole:
+//! Scene hash, seed and the hash of the run are in their schema metadata. What is read back is checked as a whole:
 //! lengths, ids, finite numbers, a tree that ends, a net for every leaf.
 
 mod fit;
 mod metrics;
+mod of_run;
 mod steps;
 mod tree;
 mod weights;
@@ -47,7 +48,8 @@ pub struct Model {
 pub fn write_tree(run: &Path, tree: &ModelTree, facts: &RunFacts) -> Result<(), StoreError> {
     let path = path(run, Table::Tree);
     let nodes = tree.to_rows(source(&path, Table::Tree))?;
-    write(&path, &nodes.iter().collect::<Vec<_>>(), facts, &[])
+    let nodes: Vec<_> = nodes.iter().collect();
+    write(&path, &nodes, facts, &of_run::stamp(run)?)
 }
 
 /// Reads the tree.
@@ -57,7 +59,10 @@ pub fn write_tree(run: &Path, tree: &ModelTree, facts: &RunFacts) -> Result<(), 
 /// [`StoreError::Version`], [`StoreError::Foreign`], [`StoreError::Model`].
 pub fn read_tree(run: &Path, facts: &RunFacts) -> Result<ModelTree, StoreError> {
     let path = path(run, Table::Tree);
-    ModelTree::from_rows(read(&path, facts)?, source(&path, Table::Tree))
+    ModelTree::from_rows(
+        read_own(run, Table::Tree, facts)?,
+        source(&path, Table::Tree),
+    )
 }
 
 /// Writes the nets, sorted by cell id.
@@ -65,7 +70,12 @@ pub fn read_tree(run: &Path, facts: &RunFacts) -> Result<ModelTree, StoreError> 
 /// # Errors
 /// [`StoreError::Model`] for what could not be read back, [`StoreError::Io`].
 pub fn write_weights(run: &Path, cells: &[CellModel], facts: &RunFacts) -> Result<(), StoreError> {
-    write_models(&path(run, Table::Weights), cells, facts, &[])
+    write_models(
+        &path(run, Table::Weights),
+        cells,
+        facts,
+        &of_run::stamp(run)?,
+    )
 }
 
 /// Reads the nets, by ascending cell id.
@@ -74,7 +84,10 @@ pub fn write_weights(run: &Path, cells: &[CellModel], facts: &RunFacts) -> Resul
 /// As [`read_tree`].
 pub fn read_weights(run: &Path, facts: &RunFacts) -> Result<Vec<CellModel>, StoreError> {
     let path = path(run, Table::Weights);
-    weights::from_rows(read(&path, facts)?, source(&path, Table::Weights))
+    weights::from_rows(
+        read_own(run, Table::Weights, facts)?,
+        source(&path, Table::Weights),
+    )
 }
 
 /// Writes how the fits went, sorted by cell id.
@@ -88,7 +101,12 @@ pub fn write_metrics(
 ) -> Result<(), StoreError> {
     let mut cells: Vec<&CellMetrics> = cells.iter().collect();
     cells.sort_by_key(|cell| cell.cell_id);
-    write(&path(run, Table::Metrics), &cells, facts, &[])
+    write(
+        &path(run, Table::Metrics),
+        &cells,
+        facts,
+        &of_run::stamp(run)?,
+    )
 }
 
 /// Reads how the fits went, by ascending cell id.
@@ -96,7 +114,7 @@ pub fn write_metrics(
 /// # Errors
 /// As [`read_tree`].
 pub fn read_metrics(run: &Path, facts: &RunFacts) -> Result<Vec<CellMetrics>, StoreError> {
-    read(&path(run, Table::Metrics), facts)
+    read_own(run, Table::Metrics, facts)
 }
 
 /// Reads tree and nets; every leaf must have its net, and every net its leaf.
@@ -177,6 +195,14 @@ fn write<R: TableRow>(
             .map(|(key, value)| (key.to_string(), value.clone())),
     );
     arrow_file::write(path, R::TABLE.name(), &batch)
+}
+
+/// Reads rows of a table in `model/`, which only the run itself may have written.
+fn read_own<R: TableRow>(run: &Path, table: Table, facts: &RunFacts) -> Result<Vec<R>, StoreError> {
+    let path = path(run, table);
+    let batch = read_batch(&path, table, facts)?;
+    of_run::expect(run, &path, batch.schema_ref(), REMEDY)?;
+    rows(&batch, &path)
 }
 
 /// Reads rows; see [`read_batch`].

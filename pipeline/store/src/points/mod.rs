@@ -3,7 +3,7 @@
 mod check;
 mod lights;
 
-use crate::atomic::atomic_write;
+use crate::atomic::{atomic_write, check_writable};
 use crate::error::StoreError;
 use crate::formats::Limits;
 use crate::formats::expanded::expanded_bytes;
@@ -168,12 +168,14 @@ fn write(path: &Path, table: Table, batch: &RecordBatch) -> Result<(), StoreErro
     atomic_write(path, &bytes)
 }
 
-/// Whether `path` has an ending that [`write_points`] knows, to be asked before a long trace.
+/// Whether `path` has an ending that [`write_points`] knows and can be written, to be asked
+/// before a long trace.
 ///
 /// # Errors
-/// [`StoreError::UnknownFormat`].
+/// [`StoreError::UnknownFormat`], [`StoreError::Io`].
 pub fn check_ending(path: &Path) -> Result<(), StoreError> {
-    format(path).map(|_| ())
+    format(path)?;
+    check_writable(path)
 }
 
 fn format(path: &Path) -> Result<Format, StoreError> {

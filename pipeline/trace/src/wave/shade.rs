@@ -11,6 +11,7 @@ use crate::walk::Ray;
 use glam::Vec3;
 use rrf_lights::EmittingTriangles;
 use rrf_materials::TILE;
+use rrf_sampling::roulette_tail;
 
 impl Wave {
     /// Shades all live paths: fills the shadow rays and the next rays.
@@ -168,7 +169,7 @@ impl Wave {
         let keep = if bounce == 0 {
             f32::INFINITY
         } else {
-            batch.part.keep
+            batch.part.keep * roulette_tail(bounce)
         };
         let (at, answers) = (&self.vertices, &mut self.answers);
         kernels::scatter(at, &self.draws, keep, answers, &mut self.departures);

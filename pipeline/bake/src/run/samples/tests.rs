@@ -25,6 +25,7 @@ fn empty_run(folder: &std::path::Path) -> Run {
             config: serde_json::Value::Null,
         },
         config: crate::BakeConfig::preset(crate::Preset::Standard, light_box, 7),
+        lock: None,
     }
 }
 

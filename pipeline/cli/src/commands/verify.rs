@@ -1,0 +1,70 @@
+//! `rrf verify`: whether a run's files are what was written.
+
+use crate::failure::BadInput;
+use crate::run_location::RunLocation;
+use clap::Args;
+use rrf_bake::Verification;
+use std::path::PathBuf;
+
+/// Check every file of a run: hashes, schemas, counts, and whether they belong together.
+#[derive(Args, Clone, Debug)]
+pub struct VerifyArgs {
+    /// The run folder.
+    pub run: PathBuf,
+    /// Machine-readable output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Prints every damage with its remedy; fails where there is one.
+pub fn run(args: &VerifyArgs) -> anyhow::Result<()> {
+    let location = RunLocation::whole(&args.run)?;
+    let found = rrf_bake::verify(location.folder())?;
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&found)?);
+    } else {
+        print(args, &found);
+    }
+    match found.damages.len() {
+        0 => Ok(()),
+        count => Err(BadInput(format!(
+            "{}: {count} damage{}",
+            args.run.display(),
+            if count == 1 { "" } else { "s" }
+        ))
+        .into()),
+    }
+}
+
+fn print(args: &VerifyArgs, found: &Verification) {
+    for damage in &found.damages {
+        println!(
+            "{}: {}. {}",
+            damage.path.display(),
+            damage.what,
+            damage.remedy
+        );
+    }
+    for path in &found.unknown {
+        println!(
+            "{}: not a file of the run; nothing reads it",
+            path.display()
+        );
+    }
+    let state = match found.open_tasks {
+        0 => String::new(),
+        open => format!(", {open} tasks of the last round are not done"),
+    };
+    println!(
+        "{}: {} files, {:.1} MB, {} rounds{state}: {}",
+        args.run.display(),
+        found.files,
+        found.bytes as f64 / 1e6,
+        found.rounds,
+        if found.damages.is_empty() {
+            "whole"
+        } else {
+            "damaged"
+        }
+    );
+}

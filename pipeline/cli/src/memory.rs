@@ -1,0 +1,86 @@
+//! What memory there is, asked before work that needs it.
+
+use crate::failure::BadInput;
+
+/// Bytes of a pixel: five layers of a frame, its rows and what the writers take.
+const PIXEL: u64 = 96;
+
+/// Address space that the linear algebra library wants for its buffers. With less it asks for ever.
+const SOLVER: u64 = 512 << 20;
+
+/// Refuses a frame that does not fit into memory.
+pub fn check_frame(width: u32, height: u32) -> Result<(), BadInput> {
+    let needed = u64::from(width) * u64::from(height) * PIXEL;
+    match available() {
+        Some(there) if needed > there => Err(BadInput(format!(
+            "--size {width}x{height}: the frame needs about {} MiB of memory, {} MiB are there; \
+             give a smaller size",
+            needed >> 20,
+            there >> 20
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses to train where the process may not have the memory that it takes at least.
+pub fn check_solver() -> Result<(), BadInput> {
+    match address_space() {
+        Some(there) if there < SOLVER => Err(BadInput(format!(
+            "the address space left to this process is {} MiB (ulimit -v); training needs {} MiB; \
+             raise the limit",
+            there >> 20,
+            SOLVER >> 20
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Bytes that this process may still take; none where nothing says so.
+fn available() -> Option<u64> {
+    let free = status("/proc/meminfo", "MemAvailable:");
+    [free, address_space()].into_iter().flatten().min()
+}
+
+/// Bytes of address space left below the limit of `ulimit -v`; none without such a limit.
+fn address_space() -> Option<u64> {
+    let limit = address_limit()?;
+    let taken = status("/proc/self/status", "VmSize:").unwrap_or(0);
+    Some(limit.saturating_sub(taken))
+}
+
+#[cfg(unix)]
+fn address_limit() -> Option<u64> {
+    let mut limit = libc::rlimit {
+        rlim_cur: 0,
+        rlim_max: 0,
+    };
+    // SAFETY: the pointer is to a value of the type that the call fills.
+    let result = unsafe { libc::getrlimit(libc::RLIMIT_AS, &raw mut limit) };
+    (result == 0 && limit.rlim_cur != libc::RLIM_INFINITY).then_some(limit.rlim_cur)
+}
+
+#[cfg(not(unix))]
+fn address_limit() -> Option<u64> {
+    None
+}
+
+/// A line `NAME: N kB` of a file of Linux, in bytes.
+fn status(file: &str, name: &str) -> Option<u64> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    let number: u64 = line.split_whitespace().next()?.parse().ok()?;
+    number.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_frames_fit_and_enormous_ones_do_not() {
+        assert!(check_frame(64, 64).is_ok());
+        if available().is_some() {
+            assert!(check_frame(u32::MAX, u32::MAX).is_err());
+        }
+    }
+}
