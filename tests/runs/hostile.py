@@ -148,6 +148,8 @@ def lines(folder, run):
         ):
             yield [*command, *view, "-o", "a.exr", option]
     yield ["trace", cornell, "--size=8x8", "--spp=0", "-o", "a.exr"]
+    yield ["trace", cornell, "--size=16384x16384", "--spp=1", "-o", "a.exr"]
+    yield ["render", run, "--size=16384x16384", "--light=0,1.5,0", "-o", "a.exr"]
     for name in ("pipe", "/dev/zero", "path.csv", "letter", "nowhere.csv", "."):
         yield ["render", run, "--path", name, "-o", "frames", "--light=0,1.5,0"]
     for name in ("pipe", "/dev/zero", "points.parquet", "points.arrow", "letter", "nowhere.parquet", "base.exr"):
