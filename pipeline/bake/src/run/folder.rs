@@ -124,6 +124,14 @@ impl Run {
         Ok(scene)
     }
 
+    /// The hash that the run's JSON files and model go by.
+    ///
+    /// # Errors
+    /// [`BakeError::Store`].
+    pub(crate) fn hash(&self) -> Result<String, BakeError> {
+        Ok(self.manifest.hash(&self.folder)?)
+    }
+
     /// The facts that every table of the run has to agree with.
     pub fn facts(&self) -> RunFacts {
         self.manifest.facts()

@@ -8,20 +8,23 @@ use serde::de::DeserializeOwned;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// The last field of every object: blake3 of the object without it.
+/// The last field of every object: blake3 of the object without it and the hash of the run.
 const HASH: &str = "blake3";
 
 /// Most bytes of a file.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// Reads a file; none where it does not exist.
+/// Reads a file of the run with this hash; none where it does not exist.
 ///
 /// # Errors
-/// [`StoreError::Corrupt`] where a bit of it has changed.
-pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, BakeError> {
+/// [`StoreError::Corrupt`] where a bit of it has changed, or it is of another run.
+pub(crate) fn read_json<T: DeserializeOwned>(
+    path: &Path,
+    run: &str,
+) -> Result<Option<T>, BakeError> {
     match rrf_files::read_regular(path, MAX_BYTES) {
         Ok(text) => {
-            let text = unhashed(&text).map_err(|hash| {
+            let text = unhashed(&text, run).map_err(|hash| {
                 corrupt(
                     path,
                     format!("its content does not have the hash {hash} in it"),
@@ -36,9 +39,9 @@ pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, B
 }
 
 /// Writes a file where it does not exist with the same bytes already.
-pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), BakeError> {
+pub(crate) fn write_json(path: &Path, value: &impl Serialize, run: &str) -> Result<(), BakeError> {
     let text = serde_json::to_vec(value).map_err(|error| corrupt(path, error))?;
-    let text = hashed(text);
+    let text = hashed(text, run);
     if std::fs::read(path).is_ok_and(|found| found == text) {
         return Ok(());
     }
@@ -49,8 +52,8 @@ pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Bake
 }
 
 /// The text of an object with its hash, and a line's end.
-fn hashed(mut text: Vec<u8>) -> Vec<u8> {
-    let hash = blake3::hash(&text).to_hex();
+fn hashed(mut text: Vec<u8>, run: &str) -> Vec<u8> {
+    let hash = hash_of(&text, run);
     text.pop();
     let comma = if text.len() > 1 { "," } else { "" };
     text.extend_from_slice(comma.as_bytes());
@@ -60,7 +63,7 @@ fn hashed(mut text: Vec<u8>) -> Vec<u8> {
 
 /// The text without its hash; as it is where it has none, as one that a person wrote. The error
 /// is the hash that the content does not have.
-fn unhashed(text: &[u8]) -> Result<Vec<u8>, String> {
+fn unhashed(text: &[u8], run: &str) -> Result<Vec<u8>, String> {
     let Some(written) = hash_in(text) else {
         return Ok(text.to_vec());
     };
@@ -68,10 +71,16 @@ fn unhashed(text: &[u8]) -> Result<Vec<u8>, String> {
     let kept = text.get(..text.len() - end).unwrap_or_default();
     let mut kept = kept.strip_suffix(b",").unwrap_or(kept).to_vec();
     kept.push(b'}');
-    match blake3::hash(&kept).to_hex().as_str() == written {
+    match hash_of(&kept, run) == written {
         true => Ok(kept),
         false => Err(written),
     }
+}
+
+fn hash_of(text: &[u8], run: &str) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(text).update(run.as_bytes());
+    hasher.finalize().to_hex().to_string()
 }
 
 /// The hash at a text's end.
@@ -132,10 +141,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
         for value in [BTreeMap::new(), BTreeMap::from([("a".to_owned(), 1)])] {
-            write_json(&path, &value).unwrap();
+            write_json(&path, &value, "run").unwrap();
             let text = std::fs::read(&path).unwrap();
             assert!(hash_in(&text).is_some());
-            let read = || read_json::<BTreeMap<String, serde_json::Value>>(&path);
+            let read = || read_json::<BTreeMap<String, serde_json::Value>>(&path, "run");
             let mut read_back = read().unwrap().unwrap();
             assert_eq!(read_back.len(), value.len());
             for bit in 0..8 * text.len() {
@@ -149,6 +158,9 @@ mod tests {
                     assert!(same, "bit {bit}: {found:?}");
                 }
             }
+            std::fs::write(&path, &text).unwrap();
+            let foreign = read_json::<BTreeMap<String, serde_json::Value>>(&path, "another");
+            assert!(foreign.is_err());
             read_back.insert("b".into(), 2.into());
             std::fs::write(&path, serde_json::to_vec_pretty(&read_back).unwrap()).unwrap();
             assert_eq!(read().unwrap().unwrap(), read_back);

@@ -52,7 +52,7 @@ impl Run {
             remove_folder(&folder.join(name))?;
         }
         if same {
-            retire_plans(folder)?;
+            retire_plans(folder, &found.hash(folder)?)?;
         }
         Ok(asked.write(folder)?)
     }
@@ -61,8 +61,11 @@ impl Run {
 /// Removes the plan and evaluation of every round, and the samples that the first round does not
 /// have. Plans are made again, and their tasks are found done where nothing changed. Works from the last
 /// round down, so that a removal that was interrupted is completed by the next one.
-fn retire_plans(folder: &Path) -> Result<(), BakeError> {
-    let read = |round: u32| read_json::<RoundPlan>(&round_folder(folder, round).join("plan.json"));
+fn retire_plans(folder: &Path, hash: &str) -> Result<(), BakeError> {
+    let read = |round: u32| {
+        let path = round_folder(folder, round).join("plan.json");
+        read_json::<RoundPlan>(&path, hash)
+    };
     let Some(first) = read(0)? else {
         return Ok(());
     };
@@ -77,7 +80,7 @@ fn retire_plans(folder: &Path) -> Result<(), BakeError> {
         for [cell, part] in parts.filter(|part| !first.contains(part)) {
             remove_part(folder, cell, part)?;
         }
-        for name in ["judged.json", "tasks.parquet", "plan.json"] {
+        for name in ["judged.json", "seconds.json", "tasks.parquet", "plan.json"] {
             remove_file(&round_folder(folder, round).join(name))?;
         }
         remove_folder(&round_folder(folder, round).join("tasks"))?;

@@ -62,7 +62,7 @@ impl Run {
     /// [`BakeError::Store`].
     pub fn read_plan(&self, round: u32) -> Result<Option<RoundPlan>, BakeError> {
         let path = self.round_file(round, "plan.json");
-        let plan: Option<RoundPlan> = read_json(&path)?;
+        let plan: Option<RoundPlan> = read_json(&path, &self.hash()?)?;
         if let Some(plan) = &plan {
             plan.check().map_err(|reason| corrupt(&path, reason))?;
         }
@@ -76,16 +76,20 @@ impl Run {
     pub fn write_plan(&self, plan: &RoundPlan) -> Result<(), BakeError> {
         let path = task_table_path(&self.folder, plan.round);
         create_folder(&round_folder(&self.folder, plan.round))?;
-        let shards = shards(self.inputs(), plan)?;
+        let (shards, hash) = (shards(self.inputs(), plan)?, self.hash()?);
         for (number, shard) in (0u32..).zip(&shards) {
-            write_json(&chapter_path(&self.folder, plan.round, number), shard)?;
+            write_json(
+                &chapter_path(&self.folder, plan.round, number),
+                shard,
+                &hash,
+            )?;
         }
         let facts = self.facts();
         write_tasks(&path, &task_rows(&shards, facts.seed), &facts)?;
         // they belong to another plan of this round
         remove_file(&self.round_file(plan.round, "judged.json"))?;
         remove_file(&self.round_file(plan.round, "seconds.json"))?;
-        write_json(&self.round_file(plan.round, "plan.json"), plan)
+        write_json(&self.round_file(plan.round, "plan.json"), plan, &hash)
     }
 
     /// The evaluation of a round, or none where the round has not been committed.
@@ -93,7 +97,7 @@ impl Run {
     /// # Errors
     /// [`BakeError::Store`].
     pub fn read_evaluated(&self, round: u32) -> Result<Option<EvaluatedRound>, BakeError> {
-        read_json(&self.round_file(round, "judged.json"))
+        read_json(&self.round_file(round, "judged.json"), &self.hash()?)
     }
 
     /// The plan of the round before.
@@ -113,7 +117,11 @@ impl Run {
 
     /// Marks a round as committed.
     pub(crate) fn write_evaluated(&self, round: &EvaluatedRound) -> Result<(), BakeError> {
-        write_json(&self.round_file(round.round, "judged.json"), round)
+        write_json(
+            &self.round_file(round.round, "judged.json"),
+            round,
+            &self.hash()?,
+        )
     }
 
     /// All tasks of a round: extractions first, by cell and part, test rows after the cells'. Tasks

@@ -20,7 +20,10 @@ impl Run {
             reason: format!("task {id}: {reason}. Write the plan again with `rrf plan RUN`"),
         };
         let shard = |id: u32| -> Result<Option<TaskShard>, BakeError> {
-            read_json(&chapter_path(&self.folder, round, id / SHARD_TASKS as u32))
+            read_json(
+                &chapter_path(&self.folder, round, id / SHARD_TASKS as u32),
+                &self.hash()?,
+            )
         };
         let Some(found) = shard(id)? else {
             // beyond the last shard, or lost

@@ -14,12 +14,16 @@ impl Run {
     /// # Errors
     /// [`BakeError::Store`].
     pub fn read_timings(&self, round: u32) -> Result<Option<Timings>, BakeError> {
-        read_json(&self.round_file(round, "seconds.json"))
+        read_json(&self.round_file(round, "seconds.json"), &self.hash()?)
     }
 
     /// Writes the timings of a round.
     pub(crate) fn write_timings(&self, round: u32, timings: &Timings) -> Result<(), BakeError> {
-        write_json(&self.round_file(round, "seconds.json"), timings)
+        write_json(
+            &self.round_file(round, "seconds.json"),
+            timings,
+            &self.hash()?,
+        )
     }
 
     /// Adds the time since `start` to one stage of a round.

@@ -119,7 +119,12 @@ fn check_shards(run: &Run, plan: &RoundPlan, found: &mut Found) -> Result<(), Ba
     for (number, expected) in (0..).zip(&expected) {
         let path = chapter_path(&run.folder, plan.round, number);
         found.known.insert(path.clone());
-        let shard = noted(found, &path, read_json::<TaskShard>(&path), REMEDY)?;
+        let shard = noted(
+            found,
+            &path,
+            read_json::<TaskShard>(&path, &run.hash()?),
+            REMEDY,
+        )?;
         match shard {
             Some(Some(shard)) if shard.hashes() != expected.hashes() => {
                 found.damage(&path, "its tasks are not those of the plan", REMEDY);
