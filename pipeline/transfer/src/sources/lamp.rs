@@ -62,6 +62,8 @@ struct Shining {
     /// Longest edge, squared.
     edge2: f32,
     light: AreaLight,
+    /// Share of the lamp's radiance: below 1 where a picture says so.
+    share: Vec3,
 }
 
 impl Lamp {
@@ -80,6 +82,7 @@ impl Lamp {
                 continue;
             }
             let edges = [b - a, c - b, a - c].map(Vec3::length_squared);
+            let share = scene.mean_share(id);
             triangles.push(Shining {
                 corners,
                 centre: (a + b + c) / 3.0,
@@ -87,9 +90,10 @@ impl Lamp {
                 edge2: edges.into_iter().fold(0.0, f32::max),
                 // a picture by its mean over the triangle
                 light: AreaLight {
-                    radiance: area_light.radiance * scene.mean_share(id),
+                    radiance: area_light.radiance * share,
                     ..*area_light
                 },
+                share,
             });
         }
         Lamp {
@@ -138,10 +142,11 @@ pub(crate) fn white_lamps(scene: &Scene, stream: Stream) -> Vec<WhiteLamp> {
             let mut lamp = Lamp::new(scene, |id| kind(id as usize) == of, stream);
             let mut hasher = DefaultHasher::new();
             for triangle in &mut lamp.triangles {
-                triangle.light.radiance = Vec3::ONE;
+                triangle.light.radiance = triangle.share;
                 hasher.write_u8(u8::from(triangle.light.two_sided));
-                let corners = triangle.corners.iter().flat_map(|c| c.to_array());
-                corners.for_each(|x| hasher.write_u32(x.to_bits()));
+                let places = triangle.corners.iter().chain([&triangle.share]);
+                let numbers = places.flat_map(|c| c.to_array());
+                numbers.for_each(|x| hasher.write_u32(x.to_bits()));
             }
             WhiteLamp {
                 lamp,
