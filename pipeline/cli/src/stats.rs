@@ -42,7 +42,12 @@ pub fn report(clock: &Clock, view: &View, lights: &Lights) -> Value {
         let seconds = median(shares.iter().map(|s| s[k]).collect());
         json!({ "stage": name, "processor_ms": 1e3 * seconds, "ns_per_pixel": per_pixel(seconds) })
     };
-    let stages = FrameStage::NAMES.into_iter().enumerate().map(stage);
+    // nets that answer for lights have no coefficients
+    let coefficients = FrameStage::Coefficients as usize;
+    let took_time = |k: usize| shares.iter().any(|s| s[k] > 0.0);
+    let stages = FrameStage::NAMES.into_iter().enumerate();
+    let stages = stages.filter(|&(k, _)| k != coefficients || took_time(k));
+    let stages = stages.map(stage);
     let of_nets = FrameStage::OF_NETS.map(|stage| stage as usize);
     let of_nets = shares.iter().map(|s| of_nets.iter().map(|&k| s[k]).sum());
     let wall = median(clock.wall.clone());
