@@ -51,7 +51,7 @@ fn settings_out_of_range() {
         ];
         refused(
             &[&call[..], &[option, value]].concat(),
-            &[&option[2..], value, "need"],
+            &[&option[2..], value],
         );
         assert!(
             place.holds(&[]),

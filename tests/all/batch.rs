@@ -139,7 +139,7 @@ fn one_at_a_time() {
     lock.lock().unwrap();
     let said = rrf(&["run", &file]);
     assert_eq!(said.code, Some(1), "{said:#?}");
-    says(&said, &["another `rrf run`"]);
+    says(&said, &["runs: in use by another process"]);
     assert!(!place.path("runs/one-1").exists());
     drop(lock);
     done(&["-q", "run", &file]);

@@ -15,6 +15,7 @@ fn one_thread_and_two() {
     assert_eq!(
         names,
         [
+            "lock",
             "model/metrics.arrow",
             "model/tree.arrow",
             "model/weights.arrow",

@@ -109,7 +109,7 @@ fn pictures_that_cannot_be_compared_are_refused() {
     assert!(
         refused
             .to_string()
-            .contains("first picture has inf at x 1, y 1")
+            .contains("reference picture has inf at x 1, y 1")
     );
 
     let black = picture(vec![[0.0; 3]; 6], 3);

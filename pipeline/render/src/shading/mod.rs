@@ -157,7 +157,10 @@ impl<'a> Renderer<'a> {
         let start = Instant::now();
         let proxies = area_lights.iter().flat_map(|area| area.points());
         let lit = self.baked.under(lights, proxies, self.tracer.scene())?;
-        let coefficients = start.elapsed() * rayon::current_num_threads() as u32;
+        let coefficients = match lit {
+            Lit::Nets(_) => Duration::ZERO,
+            Lit::Transfer(_) => start.elapsed() * rayon::current_num_threads() as u32,
+        };
         let side = options.aa.max(1);
         let emitters = sampled.iter().map(Emitter::from).chain(pieces);
         let sources = lights.sources.iter().map(|light| &light.source);
