@@ -276,7 +276,10 @@ fn emission_becomes_area_lights() {
 
     let mut glb = Glb::new();
     let texture = glb.texture(2, 2, &PICTURE);
-    let material = json!({ "emissiveFactor": [4, 4, 4], "emissiveTexture": { "index": texture } });
+    let material = json!({
+        "emissiveFactor": [4, 4, 4], "emissiveTexture": { "index": texture },
+        "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.5, 0.5, 1] },
+    });
     let material = glb.push("materials", material);
     square(&mut glb, Some(material));
     let scene = glb.load().unwrap();
