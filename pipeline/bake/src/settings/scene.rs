@@ -17,7 +17,7 @@ pub struct SceneOptions {
     /// Sky of a scene whose file has none: a lat-long picture, +y up, or a radiance [W/(sr m²)].
     #[arg(long, value_name = "FILE.exr|r,g,b", value_parser = sky, allow_hyphen_values = true)]
     pub sky: Option<SkySource>,
-    /// Angle that the picture of --sky is turned by, from -z towards +x [degrees].
+    /// Angle in degrees that the picture of --sky is turned by, from -z towards +x.
     #[arg(long, value_name = "DEG", value_parser = number, allow_hyphen_values = true, requires = "sky")]
     pub sky_rotate: Option<f32>,
 }

@@ -53,7 +53,7 @@ impl Default for ShadowRays {
 }
 
 impl ShadowRays {
-    /// As many as a bound on the noise needs, up to [`MOST`]; the usual number without one.
+    /// As many as a bound on the noise needs, up to `MOST`; the usual number without one.
     pub fn down_to(noise: Option<f32>) -> ShadowRays {
         let usual = ShadowRays::default();
         ShadowRays {
