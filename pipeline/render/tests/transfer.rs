@@ -50,7 +50,8 @@ fn model(tracer: &Tracer) -> TransferModel {
         .map(|i| {
             let u = stream.units(i, 0, 0);
             PointSource {
-                position: Vec3::new(1.4 * u[0] - 0.7, 0.2 + 1.6 * u[1], 1.4 * u[2] - 0.7),
+                // above the boxes: a light in a solid lights nothing that eyes see
+                position: Vec3::new(1.4 * u[0] - 0.7, 1.3 + 0.5 * u[1], 1.4 * u[2] - 0.7),
                 intensity: Vec3::ONE,
             }
         })
@@ -61,8 +62,8 @@ fn model(tracer: &Tracer) -> TransferModel {
         pool: 2.0,
         candidates: 1.5,
         least_rows: 16,
-        rank: 24,
-        basis_rows: 600,
+        pilot_rows: 300,
+        rounds: 0,
         trust: 2.0,
         ..TransferConfig::default()
     };

@@ -24,17 +24,15 @@ pub enum TransferError {
         /// Columns expected.
         expected: usize,
     },
-    /// A basis without anything to be made of.
+    /// An ensemble without lights that give any row light.
     #[error(
-        "a basis needs rows, lights and a rank of at least 1: {rows} rows, {lights} lights, rank {rank}"
+        "no light of the {lights} examples reaches any of {rows} surface points that eyes see: name a light box in free space"
     )]
-    NoBasis {
-        /// Rows given.
+    NoLight {
+        /// Rows that were asked.
         rows: usize,
         /// Lights given.
         lights: usize,
-        /// Rank asked for.
-        rank: usize,
     },
     /// LAPACK gave up.
     #[error("a factorisation of {rows} by {columns} numbers failed: {reason}")]

@@ -10,15 +10,19 @@
 //!
 //! (Hasan, Pellacini, Bala, *Direct-to-Indirect Transfer for Cinematic Relighting*, SIGGRAPH
 //! 2006). [`Patches`] cuts the surface into patches; [`Receivers`] asks for their irradiance under
-//! any [`DirectLight`]; [`trace_rows`] estimates rows of T by paths that know no light;
-//! [`Basis`] says which few numbers of an irradiance an ensemble of lights needs, and [`CellBasis`]
-//! which of them the rows of one cell need.
+//! any [`DirectLight`]; [`trace_rows`] estimates rows of T by paths that know no light.
+//!
+//! [`bake_transfer`] makes a [`TransferModel`] of them. Rows of one surface are smoothed by local
+//! fits and cut into cells; a cell reads a few combinations of the light on clusters of patches
+//! ([`ColumnTree`], [`LightRead`]), and a small net says what its points make of them. Under a given
+//! light ([`LightCoefficients`]) a point costs one net with three outputs.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 mod bake;
-mod basis;
 mod book;
+mod columns;
+mod ensemble;
 mod entry;
 mod error;
 mod irradiance;
@@ -30,15 +34,14 @@ mod reflectance;
 mod regression;
 mod rows;
 mod sources;
+mod svd;
 mod tracing;
 mod walk;
 
-pub use bake::{
-    CellChoice, PointDraw, TransferConfig, TransferRowsSet, bake_transfer, extract_transfer,
-    fit_transfer,
-};
-pub use basis::{Basis, CellBasis, Ensemble, RelativeWeights, radiances};
+pub use bake::{CellChoice, PointDraw, TransferConfig, bake_transfer};
 pub use book::{LightBook, LitTransfer};
+pub use columns::ColumnTree;
+pub use ensemble::{Ensemble, RelativeWeights, radiances};
 pub use entry::Entry;
 pub use error::TransferError;
 pub use irradiance::Receivers;
@@ -46,10 +49,10 @@ pub use lights::{
     DirectLight, DistantSource, IncidentLight, Leg, PointSource, Receiver, ReceiverId,
 };
 pub use model::{
-    CellNode, LEAF_AXIS, LightBasis, LightCoefficients, PartFit, SurfaceCells, TransferAnswer,
+    CellNode, LEAF_AXIS, LightCoefficients, LightRead, PartFit, SurfaceCells, TransferAnswer,
     TransferCell, TransferModel, TransferNet, TransferNodes,
 };
-pub use patches::{PatchConfig, PatchPoint, Patches, SizeField};
+pub use patches::{PatchConfig, PatchPoint, PatchSizes, Patches, SizeField};
 pub use query::{SurfaceKey, TransferQuery};
 pub use reflectance::{COSINES, Reflectances};
 pub use regression::{LocalConfig, NetConfig, RowTable};

@@ -123,6 +123,19 @@ impl TransferRows {
         rows
     }
 
+    /// Appends further rows over the same patches.
+    pub fn append(&mut self, other: TransferRows) {
+        let first = self.columns.len();
+        if self.starts.is_empty() {
+            self.starts.push(0);
+        }
+        self.starts
+            .extend(other.starts.iter().skip(1).map(|start| start + first));
+        self.columns.extend(other.columns);
+        self.entries.extend(other.entries);
+        self.distance.extend(other.distance);
+    }
+
     /// How many rows.
     pub fn len(&self) -> usize {
         self.starts.len().saturating_sub(1) / 2
@@ -138,27 +151,6 @@ impl TransferRows {
         let at = 2 * row + half;
         let range = self.starts[at]..self.starts[at + 1];
         (&self.columns[range.clone()], &self.entries[range])
-    }
-
-    /// About `count` of the rows, evenly picked, and which ones.
-    pub fn some(&self, count: usize) -> (TransferRows, Vec<usize>) {
-        let step = self.len().div_ceil(count.max(1)).max(1);
-        let picked: Vec<usize> = (0..self.len()).step_by(step).collect();
-        let mut some = TransferRows {
-            width: self.width,
-            starts: vec![0],
-            ..TransferRows::default()
-        };
-        for &row in &picked {
-            for half in 0..2 {
-                let (columns, entries) = self.half(row, half);
-                some.columns.extend_from_slice(columns);
-                some.entries.extend_from_slice(entries);
-                some.starts.push(some.columns.len());
-            }
-            some.distance.push(self.distance[row]);
-        }
-        (some, picked)
     }
 
     /// Which columns any row has an entry in.

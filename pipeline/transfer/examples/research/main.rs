@@ -9,18 +9,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod cell;
 mod clock;
-mod local;
 mod model;
-mod net;
 mod oracle;
-mod ranks;
 mod raw;
-mod regress;
 mod setup;
-mod table;
-mod tree;
 mod truth;
 
 use rrf_trace::Tracer;
@@ -82,44 +75,8 @@ fn main() {
         raw::run(&setup.scene, &tracer, &truth, &chosen);
     }
     let has = |word: &str| words.iter().any(|w| w == word);
-    if has("ranks") {
-        let (patches, rows) = (number("patches", 2_000), number("rows", 4_000));
-        ranks::run(
-            &tracer,
-            &places,
-            &truth,
-            patches,
-            number("ensemble", 500),
-            rows,
-        );
-    }
     if has("model") {
         model_run(&tracer, &places, &truth, &words);
-    }
-    if has("local") || has("nets") {
-        let fraction = |key: &str, otherwise: f64| {
-            let found = words
-                .iter()
-                .find_map(|w| w.strip_prefix(&format!("{key}=")));
-            found.map_or(otherwise, |v| v.parse().expect("a number"))
-        };
-        let plan = regress::Plan {
-            patches: number("patches", 4_000),
-            samples,
-            rows: number("rows", 4_000),
-            paths: number("row-paths", 256) as u32,
-            ensemble: number("ensemble", 200),
-            rank: number("rank", 96),
-            cell_rows: number("cell-rows", 400),
-            hidden: number("hidden", 16),
-            cell_rank: number("cell-rank", 16),
-            ridge: fraction("ridge", 1e-4),
-            decay: fraction("decay", 1e-5),
-            steep: fraction("steep", 1.0) as f32,
-            local: has("local"),
-            nets: has("nets"),
-        };
-        regress::run(&setup.scene, &tracer, &places, &truth, &plan);
     }
 }
 
@@ -127,7 +84,7 @@ fn main() {
 fn model_run(tracer: &Tracer, places: &Places, truth: &Truth, words: &[String]) {
     let text = |key: &str| {
         let key = format!("{key}=");
-        words.iter().find_map(|w| w.strip_prefix(&key))
+        words.iter().rev().find_map(|w| w.strip_prefix(&key))
     };
     let number =
         |key: &str, otherwise: f64| text(key).map_or(otherwise, |v| v.parse().expect("a number"));
@@ -136,10 +93,15 @@ fn model_run(tracer: &Tracer, places: &Places, truth: &Truth, words: &[String]) 
     config.rows = number("rows", 30_000.0) as usize;
     config.paths.paths = number("row-paths", 256.0) as u32;
     config.candidates = number("candidates", 3.0) as f32;
-    config.rank = number("rank", 96.0) as usize;
+    config.patch_width = number("patch-width", 1.0) as f32;
+    config.rounds = number("rounds", 2.0) as u32;
+    config.target = number("target", 0.06) as f32;
+    config.pool = number("pool", 16.0) as f32;
+    config.least_rows = number("least", 32.0) as usize;
     config.cell_rows = number("cell-rows", 400.0) as usize;
     config.cell_rank = number("cell-rank", 16.0) as usize;
     config.cell_error = number("cell-error", 0.01);
+    config.cluster_error = number("cluster-error", 0.01);
     config.nodes = number("nodes", 96.0) as usize;
     config.net.units = number("units", 16.0) as usize;
     config.net.ridge = number("ridge", 1e-4);
@@ -149,8 +111,8 @@ fn model_run(tracer: &Tracer, places: &Places, truth: &Truth, words: &[String]) 
     let choices: &[CellChoice] = match text("choice") {
         Some("nets") => &[CellChoice::Nets],
         Some("nodes") => &[CellChoice::Nodes],
-        Some("best") => &[CellChoice::Best],
-        _ => &[CellChoice::Nodes, CellChoice::Nets, CellChoice::Best],
+        Some("all") => &[CellChoice::Nodes, CellChoice::Nets, CellChoice::Best],
+        _ => &[CellChoice::Best],
     };
     let ensemble = number("ensemble", 220.0) as usize;
     model::run(tracer, places, truth, ensemble, &config, choices);

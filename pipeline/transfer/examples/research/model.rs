@@ -6,8 +6,8 @@ use crate::truth::Truth;
 use glam::Vec3;
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    CellChoice, DirectLight, FlatMirrors, RowPoint, TransferConfig, TransferModel, TransferQuery,
-    extract_transfer, fit_transfer,
+    CellChoice, DirectLight, FlatMirrors, PartFit, RowPoint, TransferCell, TransferConfig,
+    TransferModel, TransferQuery, bake_transfer,
 };
 
 /// One line for each choice of cells.
@@ -19,50 +19,19 @@ pub fn run(
     config: &TransferConfig,
     choices: &[CellChoice],
 ) {
-    let start = cpu();
     let mirrors = FlatMirrors::new(tracer);
     let lights: Vec<_> = (places.lights(ensemble, 77).iter())
         .map(|&l| mirrors.of(one_watt(l)))
         .collect();
     let lights: Vec<&dyn DirectLight> = lights.iter().map(|l| l as &dyn DirectLight).collect();
     let draw = |_: u64, count: usize| -> Vec<RowPoint> { places.candidates(count, 2) };
-    let set = extract_transfer(tracer, &draw, &lights, config, &|| false).expect("rows");
-    let extracted = cpu() - start;
-    println!(
-        "{} patches, {} columns in use, {} rows of {} paths in {extracted:.1} CPU s",
-        set.patches.len(),
-        set.basis.columns.len(),
-        set.rows.len(),
-        config.paths.paths
-    );
     let own = own_light(&mirrors, truth);
-    if std::env::var_os("NEAR").is_some() {
-        for at in [Vec3::new(2.52, 1.36, -0.87), Vec3::new(2.13, 0.75, -0.28)] {
-            let p = (truth.points.iter()).find(|p| p.point.position.distance(at) < 0.01);
-            let Some(p) = p else { continue };
-            let own = TransferQuery::of_row(tracer, p);
-            println!("rows near {:.3} n {:.1}", own.position, own.geometric);
-            for (i, q) in set.rows.queries.iter().enumerate() {
-                if q.surface == own.surface && q.geometric.dot(own.geometric) > 0.5 {
-                    println!(
-                        "  {:.3} level {:.5?}",
-                        q.position - own.position,
-                        set.rows.levels[i]
-                    );
-                }
-            }
-        }
-    }
     for &choice in choices {
         let start = cpu();
         let config = TransferConfig { choice, ..*config };
-        let model = fit_transfer(set.clone(), &config, &|| false).expect("a model");
-        let fitted = cpu() - start;
+        let model = bake_transfer(tracer, &draw, &lights, &config, &|| false).expect("a model");
+        println!("{choice:?}: {:.1} CPU s", cpu() - start);
         report(tracer, &mirrors, truth, &own, &model);
-        println!(
-            "   {choice:?}: fits {fitted:.1} CPU s, all {:.1}",
-            extracted + fitted
-        );
     }
 }
 
@@ -105,13 +74,29 @@ fn report(
     }
     let squares = truth.squares(&predicted, &predicted);
     println!("   {}", truth.summary(&squares));
-    let ranks: usize = model.cells.iter().map(|c| c.basis.rank).sum();
+    let mean = |of: &dyn Fn(&TransferCell) -> usize| {
+        let sum: usize = model.cells.iter().map(of).sum();
+        sum as f64 / model.cells.len() as f64
+    };
+    let nets = |cell: &TransferCell| cell.parts.iter().any(|p| matches!(p, PartFit::Net(_)));
     println!(
-        "   {} cells of {:.1} directions, {:.2} MB ({:.2} MB basis), {unknown} answers without a cell, {:.1} % trusted, residual {:.1} %",
+        "   {} patches, {} of {} columns in use, {:.0} rows",
+        model.patches.len(),
+        model.used.iter().filter(|&&u| u).count(),
+        model.used.len(),
+        mean(&|cell| cell.rows as usize) * model.cells.len() as f64,
+    );
+    println!(
+        "   {} cells, {} by nets, {:.1} directions of {:.0} nodes; {:.2} MB, {:.2} MB of it reads",
         model.cells.len(),
-        ranks as f64 / model.cells.len() as f64,
+        model.cells.iter().filter(|c| nets(c)).count(),
+        mean(&|cell| cell.read.rank),
+        mean(&|cell| cell.read.nodes.len()),
         4e-6 * model.numbers() as f64,
-        4e-6 * model.basis.numbers() as f64,
+        4e-6 * mean(&|cell| cell.read.numbers()) * model.cells.len() as f64,
+    );
+    println!(
+        "   {unknown} answers without a cell, {:.1} % trusted, residual {:.1} %",
         100.0 * trusted as f64 / predicted.len() as f64,
         100.0 * residual
     );
@@ -159,7 +144,7 @@ fn worst(
             query.geometric,
             query.surface,
             query.base_color,
-            cell.map(|c| (c.basis.rank, c.error)),
+            cell.map(|c| (c.read.rank, c.read.nodes.len(), c.rows, c.error)),
             mean(predicted),
             mean(&truth.halves[0]),
         );

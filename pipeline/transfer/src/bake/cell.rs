@@ -1,82 +1,124 @@
 //! One cell: its directions, and what answers for its rows.
 
+use super::batch::{Batch, scales};
+use super::compress::{DenseRead, clustered};
 use super::config::{CellChoice, TransferConfig};
+use super::lighting::Lighting;
+use super::sketch::{SketchRow, sign};
+use super::smooth::Smoothed;
 use crate::TransferError;
-use crate::basis::CellBasis;
-use crate::model::{PartFit, TransferCell, TransferNet, TransferNodes};
+use crate::columns::ColumnTree;
+use crate::model::{PartFit, SKETCHES, TransferCell, TransferNet, TransferNodes};
 use crate::query::{INPUTS, VIEW};
 use crate::reflectance::Reflectances;
-use crate::regression::{Combination, LocalFits, LocalScratch, RowTable, Samples, fit_net};
+use crate::regression::{LocalFits, Samples, fit_net};
+use crate::svd::leading;
 use crate::tracing::Stream;
 use glam::Vec3;
 use ndarray::{Array1, Array2};
 
 /// What all cells are fitted by.
 pub(crate) struct CellFitter<'a> {
-    pub(crate) table: &'a RowTable,
+    pub(crate) batch: &'a Batch,
     pub(crate) fits: &'a LocalFits<'a>,
     pub(crate) reflectances: &'a Reflectances,
     /// Which materials are metals: all of their light depends on the viewer.
     pub(crate) metals: &'a [bool],
-    /// Weighted coefficients of the ensemble's lights, shape [rank, lights].
-    pub(crate) lights: &'a Array2<f64>,
+    pub(crate) lighting: &'a Lighting,
+    pub(crate) columns: &'a ColumnTree,
+    pub(crate) sketch_signs: Stream,
     pub(crate) config: &'a TransferConfig,
 }
 
 /// Spread below which an input says nothing.
 const SPREAD: f32 = 1e-4;
+/// Rows below which no net is fitted.
+const LEAST_ROWS: usize = 24;
+/// Nodes of the column tree that a cell reads at most.
+const MOST_NODES: usize = 1_024;
+/// Rows of a cell that sketches take.
+const SKETCH_ROWS: usize = 6;
+/// Squares of values count as those of a level of at least this share of the mean.
+const FLOOR: f64 = 0.05;
 
-/// A cell's rows, smoothed by local fits.
-struct Smoothed {
-    /// Fits of both parts at each row.
-    combinations: Vec<[Option<Combination>; 2]>,
-    /// Both halves of each row, shape [2 parts, rank, 3].
-    halves: [Vec<Vec<f32>>; 2],
+/// The directions of a cell's rows.
+struct Directions {
+    rank: usize,
+    /// Shape [3 rows, rank]: orthonormal combinations of the weighted channel rows.
+    left: Array2<f64>,
+    values: Array1<f64>,
+    /// Shape [rank, lights].
+    right: Array2<f64>,
 }
 
 impl CellFitter<'_> {
-    /// Fits the cell of these rows.
+    /// Fits the cell of these rows; `judges` are rows of the cell that it must not see.
     pub(crate) fn fit(
         &self,
         rows: &[u32],
+        judges: &[u32],
         stream: Stream,
-    ) -> Result<[TransferCell; 2], TransferError> {
-        let smoothed = self.smooth(rows);
-        let basis = self.directions(rows, &smoothed, stream)?;
-        let targets = self.targets(&smoothed, &basis);
-        let part = |k: usize, fit: &dyn Fn(usize) -> Option<PartFit>| {
-            let has = self.reflectances.has(self.material(rows), k);
-            has.then(|| fit(k)).flatten().unwrap_or_default()
-        };
-        let nets = |k: usize| {
-            self.net(rows, &targets[k], &basis, k, stream)
-                .map(PartFit::Net)
-        };
-        let nodes = |k: usize| {
-            Some(PartFit::Nodes(
-                self.nodes(rows, &smoothed, &basis, k, stream),
-            ))
-        };
-        let cell = |parts: [PartFit; 2]| TransferCell {
-            basis: basis.clone(),
-            parts,
-            error: f32::INFINITY,
-            trusted: false,
-        };
-        let net = match self.config.choice {
-            CellChoice::Nodes => Default::default(),
-            _ => [part(0, &nets), part(1, &nets)],
-        };
-        let node = match self.config.choice {
-            CellChoice::Nets => Default::default(),
-            _ => [part(0, &nodes), part(1, &nodes)],
-        };
-        Ok([cell(net), cell(node)])
+    ) -> Result<(TransferCell, Vec<SketchRow>), TransferError> {
+        let material = rows.first().map_or(0, |&row| self.material(row));
+        let has = [0, 1].map(|part| self.reflectances.has(material, part));
+        let view = [0, 1].map(|part| self.sees_viewer(material, part));
+        let smoothed = Smoothed::new(&self.batch.table, self.fits, rows, has, view);
+        let directions = self.directions(rows, &smoothed, stream.part(0))?;
+        let dense = self.dense_read(rows, &smoothed, &directions);
+        let (error, numbers) = (self.config.cluster_error, stream.part(4));
+        let (columns, lighting) = (self.columns, self.lighting);
+        let read = clustered(&dense, columns, lighting, error, MOST_NODES, numbers);
+        let lights: Vec<Vec<Vec3>> = (self.lighting.judges.iter())
+            .map(|light| read.coefficients(&self.columns.fluxes(light)))
+            .collect();
+        let mut best: Option<TransferCell> = None;
+        for is_net in [true, false] {
+            let skip = match self.config.choice {
+                CellChoice::Best => false,
+                CellChoice::Nets => !is_net && rows.len() >= LEAST_ROWS,
+                CellChoice::Nodes => is_net,
+            };
+            if skip || is_net && rows.len() < LEAST_ROWS {
+                continue;
+            }
+            let part = |part: usize| match (has[part], is_net) {
+                (false, _) => Some(PartFit::Nothing),
+                (true, true) => self
+                    .net(rows, &smoothed, &directions, part, view[part], stream)
+                    .map(PartFit::Net),
+                (true, false) => {
+                    let nodes = self.nodes(rows, &smoothed, &directions, part, view[part], stream);
+                    Some(PartFit::Nodes(nodes))
+                }
+            };
+            let (Some(base), Some(constant)) = (part(0), part(1)) else {
+                continue;
+            };
+            let parts = [base, constant];
+            let error = self.error(&parts, judges, &lights);
+            let patience = self.config.patience;
+            // a net stands unless local fits are clearly better
+            if best
+                .as_ref()
+                .is_none_or(|best| error * patience < best.error)
+            {
+                best = Some(TransferCell {
+                    error,
+                    parts,
+                    rows: rows.len() as u32,
+                    ..TransferCell::default()
+                });
+            }
+        }
+        let mut cell = best.unwrap_or_default();
+        let picked;
+        (picked, cell.sketch) = self.sketch(rows, &smoothed, &directions);
+        cell.read = read;
+        Ok((cell, picked))
     }
 
-    fn material(&self, rows: &[u32]) -> u32 {
-        rows.first()
-            .map_or(0, |&row| self.table.queries[row as usize].surface.material)
+    fn material(&self, row: u32) -> u32 {
+        self.batch.table.queries[row as usize].surface.material
     }
 
     /// Whether a part of a material depends on the viewer beyond its albedo.
@@ -84,36 +126,9 @@ impl CellFitter<'_> {
         part == 1 || self.metals.get(material as usize).copied().unwrap_or(false)
     }
 
-    fn smooth(&self, rows: &[u32]) -> Smoothed {
-        let mut scratch = LocalScratch::default();
-        let material = self.material(rows);
-        let mut smoothed = Smoothed {
-            combinations: Vec::with_capacity(rows.len()),
-            halves: Default::default(),
-        };
-        for &row in rows {
-            let query = &self.table.queries[row as usize];
-            let own = [0, 1].map(|part| {
-                let has = self.reflectances.has(material, part);
-                let view = self.sees_viewer(material, part);
-                has.then(|| self.fits.at(query, view, None, &mut scratch))
-                    .flatten()
-            });
-            for (half, all) in smoothed.halves.iter_mut().enumerate() {
-                let parts = own.iter().enumerate().map(|(part, fit)| match fit {
-                    Some(fit) => fit.apply(self.table, half, part, 0),
-                    None => vec![0.0; self.table.stride()],
-                });
-                all.push(parts.flatten().collect());
-            }
-            smoothed.combinations.push(own);
-        }
-        smoothed
-    }
-
     /// What a row's parts count for in its radiance, relative to what it gets.
     fn shares(&self, row: u32) -> [Vec3; 2] {
-        let query = &self.table.queries[row as usize];
+        let query = &self.batch.table.queries[row as usize];
         let weight = self.fits.weights[row as usize];
         let [base, constant] = (self.reflectances).at(query.surface.material, query.facing());
         [
@@ -128,91 +143,129 @@ impl CellFitter<'_> {
         rows: &[u32],
         smoothed: &Smoothed,
         stream: Stream,
-    ) -> Result<CellBasis, TransferError> {
-        let rank = self.table.rank;
+    ) -> Result<Directions, TransferError> {
+        let lights = self.batch.table.lights;
         let shares: Vec<[Vec3; 2]> = rows.iter().map(|&row| self.shares(row)).collect();
-        let [first, second] = [0, 1].map(|half| {
-            Array2::from_shape_fn((3 * rows.len(), rank), |(r, k)| {
-                let (row, channel) = (r / 3, r % 3);
-                let values = &smoothed.halves[half][row];
-                let part =
-                    |p: usize| values[3 * (p * rank + k) + channel] * shares[row][p][channel];
-                f64::from(part(0) + part(1))
-            })
+        let matrix = Array2::from_shape_fn((3 * rows.len(), lights), |(r, l)| {
+            let (row, channel) = (r / 3, r % 3);
+            let part =
+                |p: usize| smoothed.part(row, p)[channel * lights + l] * shares[row][p][channel];
+            f64::from(part(0) + part(1))
         });
-        let (target, most) = (self.config.cell_error, self.config.cell_rank);
-        CellBasis::new([&first, &second], self.lights, target, most, stream.part(0))
+        let most = self.config.cell_rank.min(lights).max(1);
+        let found = leading(&matrix, most, stream)?;
+        let whole: f64 = matrix.iter().map(|x| x * x).sum();
+        let allowed = self.config.cell_error.powi(2) * whole;
+        let mut rest = whole;
+        let mut rank = 0;
+        while rank < found.values.len() && (rest > allowed || rank == 0) {
+            if found.values[rank] <= 0.0 && rank > 0 {
+                break;
+            }
+            rest -= found.values[rank].powi(2);
+            rank += 1;
+        }
+        Ok(Directions {
+            rank,
+            left: found.left.slice(ndarray::s![.., ..rank]).to_owned(),
+            values: found.values.slice(ndarray::s![..rank]).to_owned(),
+            right: found.right.slice(ndarray::s![..rank, ..]).to_owned(),
+        })
     }
 
-    /// Both parts of every smoothed row in the cell's directions, shape [rows, 3 directions].
-    fn targets(&self, smoothed: &Smoothed, basis: &CellBasis) -> [Array2<f64>; 2] {
-        let stride = self.table.stride();
-        let mean = |row: usize, part: usize| -> Vec<f32> {
-            let own = part * stride..(part + 1) * stride;
-            let [a, b] = [0, 1].map(|half| &smoothed.halves[half][row][own.clone()]);
-            a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect()
-        };
-        [0, 1].map(|part| {
-            let rows = smoothed.combinations.len();
-            let mut all = Array2::zeros((rows, 3 * basis.rank));
-            for (row, mut out) in all.rows_mut().into_iter().enumerate() {
-                let made = made(&mean(row, part), basis);
-                out.iter_mut()
-                    .zip(made)
-                    .for_each(|(o, x)| *o = f64::from(x));
+    /// What one unit of irradiance on a column adds to each direction: the rows' own columns.
+    fn dense_read(&self, rows: &[u32], smoothed: &Smoothed, directions: &Directions) -> DenseRead {
+        let rank = directions.rank;
+        let table = &self.batch.table;
+        // factors of raw rows: [row][part][channel][rank]
+        let mut factors: std::collections::BTreeMap<u32, Vec<f32>> = Default::default();
+        for (i, &row) in rows.iter().enumerate() {
+            let shares = self.shares(row);
+            for (part, fit) in smoothed.combinations[i].iter().enumerate() {
+                let Some(fit) = fit else { continue };
+                for (&raw, &factor) in fit.rows.iter().zip(&fit.factors[0]) {
+                    let own = factors.entry(raw).or_insert_with(|| vec![0.0; 6 * rank]);
+                    for channel in 0..3 {
+                        let by = factor * shares[part][channel];
+                        let left = directions.left.row(3 * i + channel);
+                        let first = (3 * part + channel) * rank;
+                        for (f, &u) in own[first..first + rank].iter_mut().zip(left) {
+                            *f += by * u as f32;
+                        }
+                    }
+                }
             }
-            all
-        })
+        }
+        let mut weights = vec![0.0f32; self.columns.columns() * rank];
+        for (raw, factors) in factors {
+            let row = raw as usize;
+            let scale = scales(self.reflectances, &table.queries[row]);
+            for half in 0..2 {
+                let (columns, entries) = self.batch.sparse.half(row, half);
+                for (&column, entry) in columns.iter().zip(entries) {
+                    let first = column as usize * rank;
+                    let out = &mut weights[first..first + rank];
+                    let values = [
+                        entry.base * (0.5 * scale[0]),
+                        entry.constant * (0.5 * scale[1]),
+                    ];
+                    let values = values.iter().flat_map(Vec3::to_array);
+                    for (value, factors) in values.zip(factors.chunks_exact(rank)) {
+                        if value != 0.0 {
+                            out.iter_mut()
+                                .zip(factors)
+                                .for_each(|(o, f)| *o += value * f);
+                        }
+                    }
+                }
+            }
+        }
+        DenseRead { rank, weights }
     }
 
     fn net(
         &self,
         rows: &[u32],
-        targets: &Array2<f64>,
-        basis: &CellBasis,
+        smoothed: &Smoothed,
+        directions: &Directions,
         part: usize,
+        view: bool,
         stream: Stream,
     ) -> Option<TransferNet> {
-        let all: Vec<[f32; INPUTS]> = (rows.iter())
-            .map(|&row| self.table.queries[row as usize].inputs())
-            .collect();
-        let seen = if self.sees_viewer(self.material(rows), part) {
-            INPUTS
-        } else {
-            VIEW
-        };
+        let queries = rows
+            .iter()
+            .map(|&row| &self.batch.table.queries[row as usize]);
+        let all: Vec<[f32; INPUTS]> = queries.map(|query| query.inputs()).collect();
         let spread = |j: usize| {
+            let start = (f32::INFINITY, f32::NEG_INFINITY);
             let (low, high) = all
                 .iter()
-                .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| {
-                    (l.min(x[j]), h.max(x[j]))
-                });
+                .fold(start, |(l, h), x| (l.min(x[j]), h.max(x[j])));
             high - low > SPREAD
         };
+        let seen = if view { INPUTS } else { VIEW };
         let inputs: Vec<u8> = (0..seen).filter(|&j| spread(j)).map(|j| j as u8).collect();
         if inputs.is_empty() {
             return None;
         }
-        let strength = |k: usize| {
-            let read = &basis.read[k * self.table.rank..(k + 1) * self.table.rank];
-            let lights = self.lights.columns().into_iter();
-            let squares = lights.map(|light| {
-                let c: f64 = read.iter().zip(light).map(|(r, l)| f64::from(*r) * l).sum();
-                c * c
-            });
-            (squares.sum::<f64>() / self.lights.ncols().max(1) as f64).sqrt()
-        };
-        let strengths: Vec<f64> = (0..basis.rank).map(strength).collect();
+        let count = (self.batch.table.lights as f64).sqrt();
+        let made: Vec<Vec<f32>> = (0..rows.len())
+            .map(|i| directions.made(smoothed.part(i, part)))
+            .collect();
         let samples = Samples {
             x: Array2::from_shape_fn((rows.len(), inputs.len()), |(i, j)| {
                 f64::from(all[i][inputs[j] as usize])
             }),
             inputs,
-            y: targets.clone(),
+            y: Array2::from_shape_fn((rows.len(), 3 * directions.rank), |(i, k)| {
+                f64::from(made[i][k])
+            }),
             weights: Array1::from_shape_fn(rows.len(), |i| {
                 f64::from(self.shares(rows[i])[part].element_sum() / 3.0)
             }),
-            scales: Array1::from_shape_fn(3 * basis.rank, |k| strengths[k / 3].max(1e-12)),
+            scales: Array1::from_shape_fn(3 * directions.rank, |k| {
+                (directions.values[k / 3] / count).max(1e-12)
+            }),
         };
         fit_net(&samples, &self.config.net, stream.part(1 + part as u32))
     }
@@ -222,49 +275,116 @@ impl CellFitter<'_> {
         &self,
         rows: &[u32],
         smoothed: &Smoothed,
-        basis: &CellBasis,
+        directions: &Directions,
         part: usize,
+        view: bool,
         stream: Stream,
     ) -> TransferNodes {
+        let table = &self.batch.table;
         let numbers = stream.part(3);
         let mut order: Vec<usize> = (0..rows.len()).collect();
         order.sort_by_key(|&i| (numbers.block(i as u64, 0, 0)[0], i));
         order.truncate(self.config.nodes.max(1));
         order.sort_unstable();
-        let view = self.sees_viewer(self.material(rows), part);
+        let local = &self.config.local;
         let mut nodes = TransferNodes {
-            turns: [
-                self.config.local.turn,
-                if view { self.config.local.view } else { 0.0 },
-            ],
+            turns: [local.turn, if view { local.view } else { 0.0 }],
             ..TransferNodes::default()
         };
         for i in order {
             let Some(fit) = &smoothed.combinations[i][part] else {
                 continue;
             };
-            let query = &self.table.queries[rows[i] as usize];
+            let query = &table.queries[rows[i] as usize];
             nodes.places.extend(query.inputs());
             nodes.normals.extend(query.geometric.to_array());
             for which in 0..3 {
-                let [a, b] = [0, 1].map(|half| fit.apply(self.table, half, part, which));
-                let mean: Vec<f32> = a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect();
-                nodes.values.extend(made(&mean, basis));
+                nodes
+                    .values
+                    .extend(directions.made(&fit.apply(table, part, which)));
             }
         }
         nodes
     }
-}
 
-/// A projected row, shape [rank, 3], in a cell's directions.
-fn made(row: &[f32], basis: &CellBasis) -> Vec<f32> {
-    let mut out = vec![0.0f32; 3 * basis.rank];
-    for (values, make) in row.chunks_exact(3).zip(basis.make.chunks_exact(basis.rank)) {
-        for (out, &m) in out.chunks_exact_mut(3).zip(make) {
-            for (o, v) in out.iter_mut().zip(values) {
-                *o += v * m;
+    /// Some of the smoothed rows, and the cell's own part of their random combinations, shape
+    /// [sketches, rank].
+    fn sketch(
+        &self,
+        rows: &[u32],
+        smoothed: &Smoothed,
+        directions: &Directions,
+    ) -> (Vec<SketchRow>, Vec<f32>) {
+        let step = rows.len().div_ceil(SKETCH_ROWS).max(1);
+        // each stands for the rows that it is picked from
+        let by = (step as f32).sqrt();
+        let mut sums = vec![0.0f32; SKETCHES * directions.rank];
+        let mut picked = Vec::new();
+        for i in (0..rows.len()).step_by(step) {
+            let row = rows[i];
+            let shares = self.shares(row).map(|share| share * by);
+            let made = [0, 1].map(|part| directions.made(smoothed.part(i, part)));
+            let mean: Vec<f32> = (0..directions.rank)
+                .map(|k| {
+                    let part = |p: usize| Vec3::from_slice(&made[p][3 * k..]).dot(shares[p]);
+                    (part(0) + part(1)) / 3.0
+                })
+                .collect();
+            for (sketch, out) in sums.chunks_exact_mut(directions.rank).enumerate() {
+                let by = sign(self.sketch_signs, row, sketch);
+                out.iter_mut().zip(&mean).for_each(|(o, m)| *o += by * m);
+            }
+            picked.push(SketchRow {
+                row,
+                shares,
+                parts: smoothed.combinations[i].clone(),
+            });
+        }
+        (picked, sums)
+    }
+
+    /// Relative error over rows that judge and lights that judge, the rows' noise taken out;
+    /// infinite where no row judges, so that the next cell's fits decide nothing.
+    fn error(&self, parts: &[PartFit; 2], judges: &[u32], lights: &[Vec<Vec3>]) -> f32 {
+        let (mut sum, mut count) = (0.0f64, 0usize);
+        for (l, light) in lights.iter().enumerate() {
+            let contracted = [0, 1].map(|part: usize| parts[part].contract(light));
+            for &row in judges {
+                let query = &self.batch.table.queries[row as usize];
+                let judged = &self.batch.table.judged[row as usize];
+                let Some(halves) = judged.get(6 * l..6 * l + 6) else {
+                    continue;
+                };
+                let [base, constant] =
+                    (self.reflectances).at(query.surface.material, query.facing());
+                let [p, q] =
+                    [0, 1].map(|part: usize| parts[part].evaluate(query, &contracted[part]));
+                let found = query.base_color * p * base + q * constant;
+                let (a, b) = (Vec3::from_slice(halves), Vec3::from_slice(&halves[3..]));
+                let level = f64::from((a + b).element_sum() / 6.0).max(FLOOR);
+                let off = (found - a) * (found - b);
+                sum += f64::from(off.element_sum() / 3.0) / (level * level);
+                count += 1;
             }
         }
+        if count == 0 {
+            return f32::INFINITY;
+        }
+        (sum / count as f64).max(0.0).sqrt() as f32
     }
-    out
+}
+
+impl Directions {
+    /// A part of a row, shape [3, lights], in the directions: shape [rank, 3].
+    fn made(&self, part: &[f32]) -> Vec<f32> {
+        let lights = self.right.ncols().max(1);
+        let mut out = vec![0.0f32; 3 * self.rank];
+        for (k, (right, value)) in self.right.rows().into_iter().zip(&self.values).enumerate() {
+            for (channel, lit) in part.chunks_exact(lights).enumerate() {
+                let sum: f64 = lit.iter().zip(right).map(|(x, v)| f64::from(*x) * v).sum();
+                out[3 * k + channel] = (sum / value.max(f64::MIN_POSITIVE)) as f32;
+            }
+        }
+        out
+    }
 }

@@ -23,6 +23,8 @@ pub struct TransferConfig {
     pub seed: u64,
     /// Patches of the surface.
     pub patches: PatchConfig,
+    /// Widest patch, in harmonic mean distances of what is around it.
+    pub patch_width: f32,
     /// Points that each patch's irradiance is asked at.
     pub receiver_points: u32,
     /// How many rows are traced.
@@ -35,20 +37,24 @@ pub struct TransferConfig {
     pub candidates: f32,
     /// Rows that a face of a surface gets at least, if it is seen at all.
     pub least_rows: usize,
-    /// Rows that the basis is made from.
-    pub basis_rows: usize,
-    /// Dimensions of the basis.
-    pub rank: usize,
-    /// Levels below this share of the mean count no less.
-    pub floor: f64,
+    /// Rows that lights are weighted by before the others are traced.
+    pub pilot_rows: usize,
+    /// Rows of some surfaces that are in memory at a time, a surface's own at least.
+    pub rows_at_once: usize,
     /// Rows of a cell at most.
     pub cell_rows: usize,
     /// Directions of a cell at most.
     pub cell_rank: usize,
     /// Share of the light that a cell's directions may leave out.
     pub cell_error: f64,
+    /// Share of the light that clusters of patches may leave out.
+    pub cluster_error: f64,
     /// One row of so many judges and is not fitted to.
     pub judging: u32,
+    /// Further rounds of rows at most, beside rows of cells whose error is above the target.
+    pub rounds: u32,
+    /// Relative error that further rounds aim at.
+    pub target: f32,
     /// Local fits.
     pub local: LocalConfig,
     /// Nets.
@@ -71,6 +77,7 @@ impl Default for TransferConfig {
                 count: 2_000,
                 ..PatchConfig::default()
             },
+            patch_width: 1.0,
             receiver_points: 8,
             rows: 30_000,
             paths: RowConfig {
@@ -80,13 +87,15 @@ impl Default for TransferConfig {
             pool: 16.0,
             candidates: 3.0,
             least_rows: 64,
-            basis_rows: 3_000,
-            rank: 96,
-            floor: 0.05,
+            pilot_rows: 2_000,
+            rows_at_once: 4_096,
             cell_rows: 400,
             cell_rank: 16,
             cell_error: 0.01,
+            cluster_error: 0.01,
             judging: 8,
+            rounds: 2,
+            target: 0.06,
             local: LocalConfig::default(),
             net: NetConfig::default(),
             nodes: 96,

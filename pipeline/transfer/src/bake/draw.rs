@@ -28,8 +28,10 @@ where
 /// Points that were chosen.
 pub(crate) struct Chosen {
     pub(crate) points: Vec<RowPoint>,
-    /// Columns that looks at the candidates deposited in.
-    pub(crate) used: Vec<bool>,
+    /// Others, spread as eyes see.
+    pub(crate) even: Vec<RowPoint>,
+    /// Harmonic mean distance of what is around each of those.
+    pub(crate) distances: Vec<f32>,
 }
 
 /// Paths of a look.
@@ -41,6 +43,8 @@ const LOOK: RowConfig = RowConfig {
 const NEAREST: f32 = 0.02;
 /// Viewers at a smaller cosine see nothing to speak of.
 const GRAZING: f32 = 0.02;
+/// Cosine between normals of points of one face.
+const ALIKE: f32 = 0.5;
 /// Share of the rows that are spread evenly over what is seen.
 const EVEN: f32 = 0.3;
 
@@ -68,8 +72,14 @@ pub(crate) fn choose(
     let numbers = stream.part(3);
     let unit = |i: usize, block: u32| numbers.units(i as u64, 0, block);
     let share = config.rows as f32 * config.candidates.max(1.0) / pool.len() as f32;
-    let looked: Vec<usize> = (0..pool.len()).filter(|&i| unit(i, 0)[0] < share).collect();
-    let (mut wanted, used) = steep(tracer, patches, &pool, &looked, config, stream)?;
+    let rare = |i: usize| {
+        seen.get(&keys[i])
+            .is_some_and(|of| of.len() < config.least_rows)
+    };
+    let looked: Vec<usize> = (0..pool.len())
+        .filter(|&i| unit(i, 0)[0] < share || rare(i))
+        .collect();
+    let (mut wanted, distances) = steep(tracer, patches, &pool, &looked, config, stream)?;
     for members in seen.values() {
         let least = config.least_rows as f32 / members.len() as f32;
         let few = members.iter().filter(|&&i| unit(i as usize, 0)[1] < least);
@@ -89,10 +99,15 @@ pub(crate) fn choose(
             ));
         }
     }
-    Ok(Chosen { points, used })
+    let even = looked.iter().map(|&i| pool[i]).collect();
+    Ok(Chosen {
+        points,
+        even,
+        distances,
+    })
 }
 
-/// Which of the points that are looked at become rows, and the columns that the looks met.
+/// Which of the points that are looked at become rows, and the distances around them.
 fn steep(
     tracer: &Tracer,
     patches: &Patches,
@@ -100,7 +115,7 @@ fn steep(
     looked: &[usize],
     config: &TransferConfig,
     stream: Stream,
-) -> Result<(Vec<bool>, Vec<bool>), TransferError> {
+) -> Result<(Vec<bool>, Vec<f32>), TransferError> {
     let points: Vec<RowPoint> = looked.iter().map(|&i| pool[i]).collect();
     let rows = trace_rows(tracer, patches, &points, &LOOK, stream.part(2), 0)?;
     let near: Vec<f32> = rows.distance.iter().map(|d| 1.0 / d.max(NEAREST)).collect();
@@ -113,7 +128,17 @@ fn steep(
     for (k, &i) in looked.iter().enumerate() {
         wanted[i] = stream.part(3).units(i as u64, 0, 0)[2] < by * chance(k);
     }
-    Ok((wanted, rows.used()))
+    Ok((wanted, rows.distance))
+}
+
+/// Columns that some paths from the points meet.
+pub(crate) fn met(
+    tracer: &Tracer,
+    patches: &Patches,
+    points: &[RowPoint],
+    stream: Stream,
+) -> Result<Vec<bool>, TransferError> {
+    Ok(trace_rows(tracer, patches, points, &LOOK, stream.part(8), 0)?.used())
 }
 
 /// Another point of the same triangle, seen from the same direction.
@@ -122,6 +147,18 @@ fn beside(tracer: &Tracer, like: &RowPoint, u: [f32; 4]) -> Option<RowPoint> {
     let point = tracer.point(like.point.triangle, barycentrics);
     let facing = TransferQuery::new(tracer, &point, like.viewer).facing();
     (facing > GRAZING).then_some(RowPoint { point, ..*like })
+}
+
+/// Another point of the same surface around one, uniform over a disk in its plane.
+pub(crate) fn near(tracer: &Tracer, like: &RowPoint, radius: f32, u: [f32; 4]) -> Option<RowPoint> {
+    let own = TransferQuery::of_row(tracer, like);
+    let (x, y) = own.geometric.any_orthonormal_pair();
+    let (sin, cos) = (std::f32::consts::TAU * u[0]).sin_cos();
+    let place = own.position + (x * cos + y * sin) * (radius * u[1].sqrt());
+    let point = tracer.locate(place, own.geometric)?;
+    let other = TransferQuery::new(tracer, &point, like.viewer);
+    let is_same = other.surface == own.surface && other.geometric.dot(own.geometric) > ALIKE;
+    (is_same && other.facing() > GRAZING).then_some(RowPoint { point, ..*like })
 }
 
 /// A surface and which of six ways it faces there.

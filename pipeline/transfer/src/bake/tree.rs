@@ -1,9 +1,8 @@
 //! Cuts surfaces into cells.
 
 use crate::model::{AXES, CellNode, LEAF_AXIS, SurfaceCells, coordinate};
-use crate::query::{SurfaceKey, TransferQuery};
+use crate::query::TransferQuery;
 use crate::regression::RowTable;
-use std::collections::BTreeMap;
 
 /// Shortest gap that a cut may go through, metres or sines.
 const GAP: f32 = 1e-5;
@@ -11,56 +10,61 @@ const GAP: f32 = 1e-5;
 /// Gap in a coordinate of the normals that is an edge between two faces.
 const EDGE: f32 = 0.5;
 
-/// Cells of at most `most` rows of one surface each, cut where rows differ most in relative terms; the
-/// rows of each.
+/// Deviation of the logarithm of what rows get from which on a cell is cut whatever its size.
+const UNEVEN: f64 = 0.5;
+/// Rows of a cell that is cut off.
+const LEAST_ROWS: usize = 32;
+
+/// Cells of at most `most` rows, cut where rows differ most in relative terms: makes the tree of one
+/// surface and returns the rows of each cell.
 pub(crate) fn cut(
+    tree: &mut SurfaceCells,
     table: &RowTable,
     weights: &[f32],
-    of: &[u32],
+    rows: Vec<u32>,
     most: usize,
-) -> (SurfaceCells, Vec<Vec<u32>>) {
-    let mut surfaces: BTreeMap<SurfaceKey, Vec<u32>> = BTreeMap::new();
-    for &row in of {
-        let key = table.queries[row as usize].surface;
-        surfaces.entry(key).or_default().push(row);
-    }
+) -> Vec<Vec<u32>> {
+    let Some(&first) = rows.first() else {
+        return Vec::new();
+    };
     let mut cutter = Cutter {
         table,
         weights,
         most: most.max(2),
-        tree: SurfaceCells::default(),
+        nodes: &mut tree.nodes,
         cells: Vec::new(),
     };
-    for (key, rows) in surfaces {
-        let root = cutter.grow(rows);
-        cutter.tree.roots.push((key, root));
-    }
-    (cutter.tree, cutter.cells)
+    let root = cutter.grow(rows);
+    let cells = cutter.cells;
+    let key = table.queries[first as usize].surface;
+    tree.roots.push((key, root));
+    cells
 }
 
 struct Cutter<'a> {
     table: &'a RowTable,
     weights: &'a [f32],
     most: usize,
-    tree: SurfaceCells,
+    nodes: &'a mut Vec<CellNode>,
     cells: Vec<Vec<u32>>,
 }
 
-/// Features of a row: the logarithm of what it gets, and its first coefficients over that.
+/// Features of a row: the logarithm of what it gets, and what groups of lights make of that.
 const FEATURES: usize = 7;
 
 impl Cutter<'_> {
     fn grow(&mut self, rows: Vec<u32>) -> u32 {
-        let node = self.tree.nodes.len();
-        self.tree.nodes.push(CellNode {
+        let node = self.nodes.len();
+        self.nodes.push(CellNode {
             axis: LEAF_AXIS,
             at: 0.0,
             below: self.cells.len() as u32,
             above: 0,
         });
+        let is_large = rows.len() > self.most || self.is_uneven(&rows);
         let cut = self
             .between_faces(&rows)
-            .or_else(|| (rows.len() > self.most).then(|| self.best(&rows)).flatten());
+            .or_else(|| is_large.then(|| self.best(&rows)).flatten());
         let Some((axis, at)) = cut else {
             self.cells.push(rows);
             return node as u32;
@@ -69,7 +73,7 @@ impl Cutter<'_> {
         let (below, above): (Vec<u32>, Vec<u32>) = rows.into_iter().partition(is_below);
         let below = self.grow(below);
         let above = self.grow(above);
-        self.tree.nodes[node] = CellNode {
+        self.nodes[node] = CellNode {
             axis,
             at,
             below,
@@ -84,17 +88,17 @@ impl Cutter<'_> {
 
     fn features(&self, row: u32) -> [f64; FEATURES] {
         let weight = self.weights[row as usize];
-        let halves = [0, 1].map(|half| self.table.part(row as usize, half, 0));
         let mut features = [0.0; FEATURES];
         features[0] = -1.5 * f64::from(weight.ln());
-        let colour = self.query(row).base_color.element_sum() / 3.0;
-        for (k, feature) in features[1..].iter_mut().enumerate() {
-            let sum: f32 = halves
-                .iter()
-                .flat_map(|h| h.get(3 * k..3 * k + 3))
-                .flatten()
-                .sum();
-            *feature = f64::from(sum / 6.0 * colour * weight);
+        let query = self.query(row);
+        let lights = self.table.lights.max(1);
+        let part = self.table.part(row as usize, 0);
+        // a few groups of lights: near ones and far ones differ in them
+        for (l, &lit) in part.iter().enumerate() {
+            let colour = query.base_color[l / lights] * weight;
+            let group = 1 + (l % lights) * (FEATURES - 1) / lights;
+            features[group] +=
+                f64::from(lit * colour) / (3 * lights / (FEATURES - 1)).max(1) as f64;
         }
         features
     }
@@ -110,12 +114,29 @@ impl Cutter<'_> {
         })
     }
 
+    /// Whether what rows get differs by factors, as it does at contacts.
+    fn is_uneven(&self, rows: &[u32]) -> bool {
+        if rows.len() < 4 * LEAST_ROWS {
+            return false;
+        }
+        let logarithms = rows
+            .iter()
+            .map(|&row| f64::from(self.weights[row as usize]).ln());
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for logarithm in logarithms {
+            sum += logarithm;
+            squares += logarithm * logarithm;
+        }
+        let count = rows.len() as f64;
+        squares / count - (sum / count).powi(2) > UNEVEN * UNEVEN
+    }
+
     /// The cut that removes most scatter.
     fn best(&self, rows: &[u32]) -> Option<(u8, f32)> {
         let features: Vec<_> = rows.iter().map(|&row| self.features(row)).collect();
         let mut total = [0.0; FEATURES];
         features.iter().for_each(|f| add(&mut total, f));
-        let least = (self.most / 6).clamp(1, rows.len() / 2);
+        let least = (rows.len() / 6).max(LEAST_ROWS).min(rows.len() / 2);
         let mut best: Option<(f64, u8, f32)> = None;
         for axis in 0..AXES as u8 {
             let mut sorted: Vec<(f32, usize)> = (rows.iter().enumerate())

@@ -55,4 +55,25 @@ impl SurfaceCells {
         }
         Some(node.below)
     }
+
+    /// Appends the tree of a surface whose key is larger than all so far; its cells are numbered on
+    /// from `first_cell`.
+    pub(crate) fn append(&mut self, other: &SurfaceCells, first_cell: u32) {
+        let first_node = self.nodes.len() as u32;
+        let roots = other.roots.iter();
+        self.roots
+            .extend(roots.map(|&(key, root)| (key, root + first_node)));
+        self.nodes
+            .extend(other.nodes.iter().map(|node| match node.axis {
+                LEAF_AXIS => CellNode {
+                    below: node.below + first_cell,
+                    ..*node
+                },
+                _ => CellNode {
+                    below: node.below + first_node,
+                    above: node.above + first_node,
+                    ..*node
+                },
+            }));
+    }
 }

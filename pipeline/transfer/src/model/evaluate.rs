@@ -1,8 +1,7 @@
 //! Indirect radiance of points, cell by cell.
 
 use super::light::LightCoefficients;
-use super::net::TransferNet;
-use super::{PartFit, TransferModel};
+use super::transfer::TransferModel;
 use crate::query::TransferQuery;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -70,22 +69,13 @@ impl TransferModel {
         let Some(own) = self.cells.get(cell as usize) else {
             return TransferAnswer::NONE;
         };
-        let inputs = query.inputs();
-        let part = |k: usize| match &own.parts[k] {
-            PartFit::Nothing => Vec3::ZERO,
-            PartFit::Net(net) => net.evaluate(&inputs, light.of(cell, k)),
-            PartFit::Nodes(nodes) => nodes.evaluate(query, light.of(cell, k)),
-        };
-        let inside = |net: &TransferNet| net.beyond(&inputs) <= MARGIN;
+        let part = |k: usize| own.parts[k].evaluate(query, light.of(cell, k));
         let [base, constant] = (self.reflectances).at(query.surface.material, query.facing());
+        let inside = |k: usize| own.parts[k].is_inside(query, MARGIN);
         TransferAnswer {
             radiance: query.base_color * part(0) * base + part(1) * constant,
             cell,
-            trusted: own.trusted
-                && own.parts.iter().all(|part| match part {
-                    PartFit::Net(net) => inside(net),
-                    _ => true,
-                }),
+            trusted: own.error <= self.trust && inside(0) && inside(1),
         }
     }
 }

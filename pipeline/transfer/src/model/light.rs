@@ -2,11 +2,9 @@
 
 use glam::Vec3;
 
-/// Once a change of light: its coefficients in the basis, and what is left of each cell's outputs.
+/// What is left of each cell's outputs under a light: made once a change of light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightCoefficients {
-    /// Coefficients in the basis, a channel each.
-    pub(crate) basis: Vec<Vec3>,
     /// Contracted outputs of all cells.
     pub(crate) outputs: Vec<Vec3>,
     /// First of each cell's two parts in `outputs`, and the number of all.
@@ -14,20 +12,10 @@ pub struct LightCoefficients {
 }
 
 impl LightCoefficients {
-    /// Coefficients in the model's basis.
-    pub fn basis(&self) -> &[Vec3] {
-        &self.basis
-    }
-
     /// Adds another light of the same model times a factor a channel.
     pub fn add_scaled(&mut self, other: &LightCoefficients, factor: Vec3) {
-        let add = |own: &mut [Vec3], more: &[Vec3]| {
-            own.iter_mut()
-                .zip(more)
-                .for_each(|(o, m)| *o += *m * factor);
-        };
-        add(&mut self.basis, &other.basis);
-        add(&mut self.outputs, &other.outputs);
+        let pairs = self.outputs.iter_mut().zip(&other.outputs);
+        pairs.for_each(|(own, more)| *own += *more * factor);
     }
 
     /// What is left of one part of a cell.

@@ -15,6 +15,7 @@ mod grid;
 mod merge;
 mod planes;
 mod points;
+mod size;
 
 use crate::TransferError;
 use crate::tracing::{Bsdf, SurfacePoint, is_lambert};
@@ -25,6 +26,7 @@ use rrf_scene::Scene;
 
 pub use element::SizeField;
 pub use points::PatchPoint;
+pub use size::PatchSizes;
 
 /// How patches are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +88,14 @@ pub struct Patches {
 }
 
 impl Patches {
+    /// Edge of a patch where the size field is 1, metres; 0 where there is no surface.
+    pub fn edge(scene: &Scene, config: &PatchConfig) -> f32 {
+        let total: f64 = (0..scene.triangles.len())
+            .map(|t| 0.5 * planes::doubled_area(planes::corners(scene, t as u32)).length())
+            .sum();
+        (total / config.count.max(1) as f64).sqrt() as f32
+    }
+
     /// Cuts a scene's surface into `config.count` patches or more; the size field makes them finer.
     pub fn new(
         scene: &Scene,
@@ -93,13 +103,10 @@ impl Patches {
         size: SizeField,
     ) -> Result<Patches, TransferError> {
         let groups = planes::groups(scene);
-        let total: f64 = (0..scene.triangles.len())
-            .map(|t| 0.5 * planes::doubled_area(planes::corners(scene, t as u32)).length())
-            .sum();
         if groups.is_empty() || config.count == 0 {
             return Err(TransferError::NoPatches);
         }
-        let edge = (total / config.count as f64).sqrt();
+        let edge = f64::from(Patches::edge(scene, config));
         Ok(Draft::new(scene, &groups, edge, size).finish(scene, config))
     }
 
@@ -155,9 +162,29 @@ impl Patches {
         first + cell(j) * count + cell(i)
     }
 
+    /// The middle of one of the directions that a side of a patch with the unit normal `n` tells
+    /// apart; the normal itself where it tells none.
+    pub fn middle_direction(&self, patch: u32, n: Vec3, cell: u32) -> Vec3 {
+        let count = self.directions(patch);
+        if count == 1 {
+            return n;
+        }
+        let middle = |k: u32| 2.0 * (k as f32 + 0.5) / count as f32 - 1.0;
+        let [x, y] = disk([middle(cell % count), middle(cell / count)]);
+        let across = self.across(patch, n);
+        let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+        across * x + n.cross(across) * y + n * z
+    }
+
     /// A direction along the tangents at a point of a patch: the first tangent is across the same
     /// world axis all over the patch, so that neighbouring points sort light alike.
     fn local(&self, patch: u32, n: Vec3, l: Vec3) -> [f32; 2] {
+        let x = self.across(patch, n);
+        [l.dot(x), l.dot(n.cross(x))]
+    }
+
+    /// The first tangent at a point of a patch with this normal.
+    fn across(&self, patch: u32, n: Vec3) -> Vec3 {
         let mean = self.normal[patch as usize].abs();
         let axis = if mean.x <= mean.y && mean.x <= mean.z {
             Vec3::X
@@ -166,8 +193,7 @@ impl Patches {
         } else {
             Vec3::Z
         };
-        let x = axis.cross(n).normalize_or(n.any_orthonormal_vector());
-        [l.dot(x), l.dot(n.cross(x))]
+        axis.cross(n).normalize_or(n.any_orthonormal_vector())
     }
 }
 
@@ -186,6 +212,19 @@ fn square([x, y]: [f32; 2]) -> [f32; 2] {
         (0.0, 0.0)
     };
     [a, b].map(|c| (0.5 * (c + 1.0)).clamp(0.0, 1.0))
+}
+
+/// A point of the square from -1 to 1 on the unit disk: undoes [`square`].
+fn disk([a, b]: [f32; 2]) -> [f32; 2] {
+    let quarter = std::f32::consts::FRAC_PI_4;
+    let (radius, turn) = if a.abs() > b.abs() {
+        (a, quarter * b / a)
+    } else if b != 0.0 {
+        (b, 2.0 * quarter - quarter * a / b)
+    } else {
+        (0.0, 0.0)
+    };
+    [radius * turn.cos(), radius * turn.sin()]
 }
 
 /// Elements and the patches that they are joined to.

@@ -23,7 +23,7 @@ pub struct LocalConfig {
     pub turn: f32,
     /// Metres that a turn of the mirrored viewer by 1 is worth, for the parts that depend on it.
     pub view: f32,
-    /// Rows below this share of the mean level count no more.
+    /// Rows below this level count no more; the mean level is 1.
     pub floor: f32,
 }
 
@@ -46,6 +46,17 @@ pub(crate) struct LocalFits<'a> {
     trees: BTreeMap<SurfaceKey, [PlaceTree; 2]>,
     /// 1 / what each row gets, smoothed.
     pub(crate) weights: Vec<f32>,
+    /// What surrounds each row.
+    pub(crate) surroundings: Vec<Surroundings>,
+}
+
+/// What the rows around a row are like.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Surroundings {
+    /// Deviation of the logarithm of what they get.
+    pub(crate) steepness: f32,
+    /// Distance of the farthest, metres.
+    pub(crate) radius: f32,
 }
 
 /// A linear combination of rows.
@@ -92,18 +103,18 @@ impl<'a> LocalFits<'a> {
             config,
             trees: trees.collect(),
             weights: Vec::new(),
+            surroundings: Vec::new(),
         };
-        fits.weights = fits.smoothed_weights();
+        (fits.weights, fits.surroundings) = fits.smoothed_weights().into_iter().unzip();
         fits
     }
 
-    /// 1 / the level around each row, never below the floor. A row's own noise takes no part, so
+    /// 1 / the level around each row, never below the floor, and how that changes. A row's own noise takes no part, so
     /// that a row which is too low by chance does not count for more.
-    fn smoothed_weights(&self) -> Vec<f32> {
+    fn smoothed_weights(&self) -> Vec<(f32, Surroundings)> {
         let levels = &self.table.levels;
-        let own = |row: usize| 0.5 * (levels[row][0] + levels[row][1]);
-        let all = (0..levels.len()).map(|r| f64::from(own(r))).sum::<f64>();
-        let least = self.config.floor * (all / levels.len().max(1) as f64) as f32;
+        let own = |row: usize| levels[row];
+        let least = self.config.floor;
         let around = |scratch: &mut LocalScratch, row: usize| {
             let query = &self.table.queries[row];
             self.find(
@@ -120,7 +131,19 @@ impl<'a> LocalFits<'a> {
             } else {
                 sum / near.len() as f32
             };
-            1.0 / level.max(least).max(f32::MIN_POSITIVE)
+            let logarithms = near.iter().map(|n| own(n.1 as usize).max(least).ln());
+            let (mut sum, mut squares) = (0.0f32, 0.0f32);
+            for logarithm in logarithms {
+                sum += logarithm;
+                squares += logarithm * logarithm;
+            }
+            let count = near.len().max(1) as f32;
+            let variance = squares / count - (sum / count).powi(2);
+            let surroundings = Surroundings {
+                steepness: variance.max(0.0).sqrt(),
+                radius: near.last().map_or(0.0, |n| n.0.sqrt()),
+            };
+            (1.0 / level.max(least).max(f32::MIN_POSITIVE), surroundings)
         };
         let rows = (0..levels.len()).into_par_iter();
         rows.map_init(LocalScratch::default, around).collect()
@@ -205,18 +228,12 @@ impl<'a> LocalFits<'a> {
 }
 
 impl Combination {
-    /// The combination of one part of the rows' halves, shape [rank, 3]; `which` is 0 for the
-    /// value, 1 and 2 for slopes.
-    pub(crate) fn apply(
-        &self,
-        table: &RowTable,
-        half: usize,
-        part: usize,
-        which: usize,
-    ) -> Vec<f32> {
+    /// The combination of one part of the rows, shape [3, lights]; `which` is 0 for the value, 1
+    /// and 2 for slopes.
+    pub(crate) fn apply(&self, table: &RowTable, part: usize, which: usize) -> Vec<f32> {
         let mut sum = vec![0.0f32; table.stride()];
         for (&row, &factor) in self.rows.iter().zip(&self.factors[which]) {
-            let values = table.part(row as usize, half, part);
+            let values = table.part(row as usize, part);
             sum.iter_mut()
                 .zip(values)
                 .for_each(|(s, v)| *s += factor * v);

@@ -1,24 +1,22 @@
-//! Rows as regression sees them: where, and what they hold in the basis.
+//! Rows as regression sees them: where, and what an ensemble of lights makes of them.
 
 use crate::query::TransferQuery;
 
-/// Rows projected onto a basis, two independent halves each.
+/// Rows of some surfaces.
 #[derive(Clone, Debug, Default)]
 pub struct RowTable {
     /// Where.
     pub queries: Vec<TransferQuery>,
-    /// Dimensions of the basis.
-    pub rank: usize,
-    /// Both halves, shape [rows, 2 parts, rank, 3 channels] row-major: base part first, each part
-    /// over its directional albedo.
-    pub halves: [Vec<f32>; 2],
-    /// Channel mean of each half under the mean of the ensemble's lights [W/(sr m^2)].
-    pub levels: Vec<[f32; 2]>,
-    /// Channels of each half under each light that judges, shape [rows, lights, 2 halves, 3];
-    /// empty for rows that do not judge.
+    /// Lights of the ensemble.
+    pub lights: usize,
+    /// The mean of both halves under each light, shape [rows, 2 parts, 3 channels, lights]
+    /// row-major: base part first, each part over its directional albedo, each light by its weight.
+    pub lit: Vec<f32>,
+    /// Channel mean under the mean of the weighted lights.
+    pub levels: Vec<f32>,
+    /// Channels of each half under each weighted light that judges, shape [rows][lights, 2
+    /// halves, 3]; empty for rows that do not judge.
     pub judged: Vec<Vec<f32>>,
-    /// Paths of each row.
-    pub paths: Vec<u32>,
 }
 
 impl RowTable {
@@ -34,25 +32,22 @@ impl RowTable {
 
     /// Numbers of one part of a row.
     pub fn stride(&self) -> usize {
-        3 * self.rank
+        3 * self.lights
     }
 
-    /// One part of a half of a row, shape [rank, 3].
+    /// One part of a row, shape [3 channels, lights].
     #[inline]
-    pub fn part(&self, row: usize, half: usize, part: usize) -> &[f32] {
+    pub fn part(&self, row: usize, part: usize) -> &[f32] {
         let stride = self.stride();
         let first = (2 * row + part) * stride;
-        &self.halves[half][first..first + stride]
+        &self.lit[first..first + stride]
     }
 
-    /// Appends another table of the same basis.
-    pub fn extend(&mut self, other: RowTable) {
+    /// Appends further rows under the same lights.
+    pub fn append(&mut self, other: RowTable) {
         self.queries.extend(other.queries);
+        self.lit.extend(other.lit);
         self.levels.extend(other.levels);
         self.judged.extend(other.judged);
-        self.paths.extend(other.paths);
-        for (own, more) in self.halves.iter_mut().zip(other.halves) {
-            own.extend(more);
-        }
     }
 }

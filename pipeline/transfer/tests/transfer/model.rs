@@ -49,8 +49,8 @@ pub fn config(choice: CellChoice) -> TransferConfig {
         pool: 2.0,
         candidates: 1.5,
         least_rows: 16,
-        rank: 40,
-        basis_rows: 1_000,
+        pilot_rows: 500,
+        rounds: 0,
         choice,
         ..TransferConfig::default()
     };

@@ -126,6 +126,13 @@ fn columns_tell_sides_and_directions_apart() {
             let column = patches.column(glossy, back, n, l);
             counts[(column - patches.first_column(glossy, back)) as usize] += 1.0;
         }
+        // the middle of each direction is one of its own
+        for cell in 0..16 {
+            let middle = patches.middle_direction(glossy, n, cell);
+            assert!((middle.length() - 1.0).abs() < 1e-5);
+            let column = patches.column(glossy, back, n, middle);
+            assert_eq!(column - patches.first_column(glossy, back), cell);
+        }
         let chi2: f64 = counts.iter().map(|c| (c - 1e3).powi(2) / 1e3).sum();
         assert!(chi2 < 52.0, "{counts:?}");
     }

@@ -1,0 +1,270 @@
+//! What a cell reads, by clusters of columns.
+
+use super::lighting::Lighting;
+use crate::columns::ColumnTree;
+use crate::model::LightRead;
+use crate::tracing::Stream;
+
+/// Random combinations of the directions that clusters are judged by.
+const COMBINATIONS: usize = 4;
+
+/// A dense read: what 1 W/m^2 on a column adds to each direction.
+pub(crate) struct DenseRead {
+    pub(crate) rank: usize,
+    /// Shape [columns, rank], row-major.
+    pub(crate) weights: Vec<f32>,
+}
+
+/// An open node: what it gets wrong of some lights, and the sum of its squares.
+struct Open {
+    wrong: Vec<f32>,
+    error: f64,
+    node: u32,
+}
+
+/// Clusters of columns that leave out at most `target` of what a dense read makes of the
+/// ensemble's lights: the worst cluster is opened until that holds, or `most` are open.
+///
+/// Neighbouring clusters err alike, so that their errors add up: both the sum of their squares and
+/// the square of their sum have to be small.
+pub(crate) fn clustered(
+    read: &DenseRead,
+    tree: &ColumnTree,
+    lighting: &Lighting,
+    target: f64,
+    most: usize,
+    stream: Stream,
+) -> LightRead {
+    let judge = Judge::new(read, tree, lighting, stream);
+    let whole = judge.energy();
+    if tree.is_empty() || whole <= 0.0 {
+        return LightRead {
+            rank: read.rank,
+            ..LightRead::default()
+        };
+    }
+    let mut closed = Vec::new();
+    let mut open = vec![judge.open(0)];
+    let mut wrong = open[0].wrong.clone();
+    let mut error = open[0].error;
+    let allowed = target * target * whole;
+    while (error > allowed || squares(&wrong) > allowed) && open.len() + closed.len() < most {
+        let Some(worst) = take_worst(&mut open) else {
+            break;
+        };
+        let Some(children) = tree.children(worst.node) else {
+            closed.push(worst.node);
+            continue;
+        };
+        error -= worst.error;
+        add(&mut wrong, &worst.wrong, -1.0);
+        for node in children.into_iter().filter(|&node| judge.is_read(node)) {
+            let own = judge.open(node);
+            error += own.error;
+            add(&mut wrong, &own.wrong, 1.0);
+            open.push(own);
+        }
+    }
+    closed.extend(open.iter().map(|open| open.node));
+    closed.sort_unstable();
+    let weights = closed.iter().flat_map(|&node| judge.weights(node));
+    LightRead {
+        rank: read.rank,
+        weights: weights.collect(),
+        nodes: closed,
+    }
+}
+
+/// The open node with the largest error; the first of equals.
+fn take_worst(open: &mut Vec<Open>) -> Option<Open> {
+    let worst = (0..open.len()).fold(None, |best: Option<usize>, i| match best {
+        Some(b) if open[b].error >= open[i].error => Some(b),
+        _ => Some(i),
+    })?;
+    (open[worst].error > 0.0).then(|| open.remove(worst))
+}
+
+fn squares(values: &[f32]) -> f64 {
+    let sum: f64 = values.iter().map(|x| f64::from(*x).powi(2)).sum();
+    sum / COMBINATIONS as f64
+}
+
+fn add(sum: &mut [f32], of: &[f32], by: f32) {
+    sum.iter_mut().zip(of).for_each(|(s, x)| *s += by * x);
+}
+
+struct Judge<'a> {
+    read: &'a DenseRead,
+    tree: &'a ColumnTree,
+    lighting: &'a Lighting,
+    /// Combinations of each column's weights, shape [columns, combinations].
+    combined: Vec<f32>,
+}
+
+impl<'a> Judge<'a> {
+    fn new(
+        read: &'a DenseRead,
+        tree: &'a ColumnTree,
+        lighting: &'a Lighting,
+        stream: Stream,
+    ) -> Judge<'a> {
+        let sign = |k: usize, c: usize| {
+            let word = stream.block(k as u64, c as u32, 0)[0];
+            if word & 1 == 0 { 1.0f32 } else { -1.0 }
+        };
+        let signs: Vec<f32> = (0..read.rank * COMBINATIONS)
+            .map(|i| sign(i / COMBINATIONS, i % COMBINATIONS))
+            .collect();
+        let mut combined = vec![0.0f32; tree.columns() * COMBINATIONS];
+        let rows = read.weights.chunks_exact(read.rank.max(1));
+        for (out, row) in combined.chunks_exact_mut(COMBINATIONS).zip(rows) {
+            for (w, signs) in row.iter().zip(signs.chunks_exact(COMBINATIONS)) {
+                out.iter_mut().zip(signs).for_each(|(o, s)| *o += w * s);
+            }
+        }
+        Judge {
+            read,
+            tree,
+            lighting,
+            combined,
+        }
+    }
+
+    fn of(&self, column: u32) -> &[f32] {
+        let first = column as usize * COMBINATIONS;
+        &self.combined[first..first + COMBINATIONS]
+    }
+
+    fn is_read(&self, node: u32) -> bool {
+        let mut columns = self.tree.columns_of(node).iter();
+        columns.any(|&c| self.of(c).iter().any(|&w| w != 0.0))
+    }
+
+    /// What a node's columns make of some lights, for each combination: shape [combinations, some].
+    fn made(&self, node: u32) -> Vec<f32> {
+        let some = &self.lighting.some;
+        let mut sums = vec![0.0f32; COMBINATIONS * some.len()];
+        for &column in self.tree.columns_of(node) {
+            let own = self.of(column);
+            if own.iter().all(|&w| w == 0.0) {
+                continue;
+            }
+            let e = self.lighting.ensemble.row(column);
+            for (sum, w) in sums.chunks_exact_mut(some.len().max(1)).zip(own) {
+                sum.iter_mut().zip(some).for_each(|(s, &l)| *s += w * e[l]);
+            }
+        }
+        sums
+    }
+
+    /// The sum of squares that all columns make, a combination.
+    fn energy(&self) -> f64 {
+        squares(&self.made(0))
+    }
+
+    /// What a node makes of the mean light, per watt of it, for each column of a matrix of shape
+    /// [columns, width].
+    fn per_watt(&self, node: u32, matrix: &[f32], width: usize) -> Vec<f64> {
+        let (mut lit, mut even) = (vec![0.0f64; width], vec![0.0f64; width]);
+        let (mut flux, mut area) = (0.0f64, 0.0f64);
+        for &column in self.tree.columns_of(node) {
+            let e = f64::from(self.lighting.mean[column as usize].x);
+            let a = f64::from(self.tree.area(column));
+            flux += a * e;
+            area += a;
+            let row = &matrix[column as usize * width..(column as usize + 1) * width];
+            for ((lit, even), &w) in lit.iter_mut().zip(&mut even).zip(row) {
+                *lit += f64::from(w) * e;
+                *even += f64::from(w);
+            }
+        }
+        // a cluster that no light of the ensemble reaches answers an even light
+        let (sums, under) = if flux > 0.0 {
+            (lit, flux)
+        } else {
+            (even, area)
+        };
+        let ratio = |sum: f64| if under > 0.0 { sum / under } else { 0.0 };
+        sums.into_iter().map(ratio).collect()
+    }
+
+    /// A node with what its one weight gets wrong.
+    fn open(&self, node: u32) -> Open {
+        let mut wrong = self.made(node);
+        let ratios = self.per_watt(node, &self.combined, COMBINATIONS);
+        let some = self.lighting.some.len();
+        let first = node as usize * some;
+        let fluxes = &self.lighting.on_nodes[first..first + some];
+        for (wrong, ratio) in wrong.chunks_exact_mut(some.max(1)).zip(ratios) {
+            add(wrong, fluxes, -ratio as f32);
+        }
+        Open {
+            error: squares(&wrong),
+            wrong,
+            node,
+        }
+    }
+
+    /// A node's weight in each direction [1/W].
+    fn weights(&self, node: u32) -> Vec<f32> {
+        let weights = self.per_watt(node, &self.read.weights, self.read.rank);
+        weights.into_iter().map(|w| w as f32).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::lighting::tests::even_lighting;
+    use crate::patches::{PatchConfig, Patches};
+    use glam::Vec3;
+    use rrf_sampling::Stage;
+    use rrf_scene::{LoadOptions, load};
+
+    /// Clusters make of fresh lights what the columns make of them, within the error asked for;
+    /// fewer where more error is allowed, and all columns where none is.
+    #[test]
+    fn clusters_leave_out_what_they_may() {
+        let file = "/../../scenes/cornell-box/scene.pbrt";
+        let path = format!("{}{file}", env!("CARGO_MANIFEST_DIR"));
+        let scene = load(path.as_ref(), &LoadOptions::default()).unwrap();
+        let patches = Patches::new(&scene, &PatchConfig::default(), &|_| 1.0).unwrap();
+        let tree = ColumnTree::new(&patches);
+        let (lighting, fresh) = even_lighting(&patches, &tree);
+        // a read that falls with the distance from a corner
+        let corner = Vec3::new(-0.9, 0.1, -0.9);
+        let weights = (0..patches.len() as u32).flat_map(|p| {
+            let at = patches.centre[p as usize];
+            let near = patches.area[p as usize] / (0.1 + at.distance_squared(corner));
+            [near, near * at.x, 0.0, 0.0]
+        });
+        let read = DenseRead {
+            rank: 2,
+            weights: weights.collect(),
+        };
+        let stream = Stream::new(3, Stage::Test, 0);
+        let nodes = [0.1, 0.01, 0.0].map(|target| {
+            let found = clustered(&read, &tree, &lighting, target, usize::MAX, stream);
+            let error = |light: &Vec<Vec3>| {
+                let mut dense = vec![Vec3::ZERO; 2];
+                for (row, e) in read.weights.chunks_exact(2).zip(light) {
+                    dense.iter_mut().zip(row).for_each(|(s, w)| *s += *e * *w);
+                }
+                let made = found.coefficients(&tree.fluxes(light));
+                let off = made.iter().zip(&dense).map(|(m, d)| (*m - *d).x.powi(2));
+                off.sum::<f32>() / dense.iter().map(|d| d.x.powi(2)).sum::<f32>()
+            };
+            let mean = fresh.iter().map(error).sum::<f32>() / fresh.len() as f32;
+            // lights that the ensemble has not are further off
+            let limit = 3.0 * target as f32 + 1e-4;
+            assert!(mean.sqrt() < limit, "{target}: {}", mean.sqrt());
+            found.nodes.len()
+        });
+        assert!(
+            nodes[0] < 60 && nodes[0] < nodes[1] && nodes[1] < nodes[2],
+            "{nodes:?}"
+        );
+        // backs of patches are not read
+        assert!(nodes[2] <= patches.len());
+    }
+}

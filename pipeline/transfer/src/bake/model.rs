@@ -1,0 +1,137 @@
+//! A whole bake: patches, points, lights, and one batch of surfaces after another.
+
+use super::batch::BatchTracer;
+use super::compress::clustered;
+use super::config::TransferConfig;
+use super::draw::{PointDraw, choose, met};
+use super::lighting::Lighting;
+use super::rounds::{RoundStreams, Rounds};
+use super::sketch::Sketch;
+use crate::TransferError;
+use crate::columns::ColumnTree;
+use crate::irradiance::Receivers;
+use crate::lights::DirectLight;
+use crate::model::{SurfaceCells, TransferModel, receiver_stream};
+use crate::patches::{PatchSizes, Patches};
+use crate::query::{SurfaceKey, TransferQuery};
+use crate::reflectance::Reflectances;
+use crate::rows::{RowPoint, trace_rows};
+use crate::tracing::{Stream, Tracer};
+use glam::Vec3;
+use rrf_sampling::Stage;
+use std::collections::BTreeMap;
+
+/// Nodes of the column tree that the residual is measured by, at most.
+const SKETCH_NODES: usize = 4_096;
+
+/// Bakes a scene: everything but the lights, which are only examples of what may come.
+///
+/// The same bits for the same input at any number of threads.
+pub fn bake_transfer(
+    tracer: &Tracer,
+    points: &dyn PointDraw,
+    lights: &[&dyn DirectLight],
+    config: &TransferConfig,
+    halt: &(dyn Fn() -> bool + Sync),
+) -> Result<TransferModel, TransferError> {
+    let stream = Stream::new(config.seed, Stage::Transfer, 0);
+    let scene = tracer.scene();
+    let coarse = Patches::new(scene, &config.patches, &|_: Vec3| 1.0)?;
+    let chosen = choose(tracer, &coarse, points, config, stream)?;
+    let places = chosen.even.iter().map(|point| point.point.position);
+    let around: Vec<(Vec3, f32)> = places.zip(chosen.distances.iter().copied()).collect();
+    let edge = Patches::edge(scene, &config.patches);
+    let sizes = PatchSizes::new(&around, edge, config.patch_width);
+    let patches = Patches::new(scene, &config.patches, &sizes.field())?;
+    let columns = ColumnTree::new(&patches);
+    let pilot = some(&chosen.even, config.pilot_rows);
+    let pilot_rows = trace_rows(tracer, &patches, &pilot, &config.paths, stream.part(4), 0)?;
+    let mut used = pilot_rows.used();
+    let met = met(tracer, &patches, &chosen.even, stream)?;
+    used.iter_mut().zip(met).for_each(|(u, more)| *u |= more);
+    let (count, fixed) = (config.receiver_points, receiver_stream(config.seed));
+    let receivers = Receivers::new(tracer, &patches, count, Some(&used), fixed);
+    let colour = |point: &RowPoint| tracer.material_at(&point.point).base_color;
+    let colours: Vec<Vec3> = pilot.iter().map(colour).collect();
+    let lighting = Lighting::new(&receivers, lights, &pilot_rows, &colours, &columns, halt)?;
+    drop(pilot_rows);
+    let reflectances = Reflectances::new(tracer.scene());
+    let materials = tracer.scene().materials.iter();
+    let metals: Vec<bool> = materials.map(|m| m.metallic > 0.5).collect();
+    let mut rounds = Rounds {
+        tracer: BatchTracer {
+            tracer,
+            patches: &patches,
+            lighting: &lighting,
+            reflectances: &reflectances,
+            config,
+        },
+        metals: &metals,
+        columns: &columns,
+        streams: RoundStreams {
+            rows: stream.part(6),
+            more: stream.part(9),
+            fits: stream,
+            sketch: stream,
+        },
+    };
+    let (mut tree, mut cells) = (SurfaceCells::default(), Vec::new());
+    let (mut sketch, mut first) = (Sketch::new(columns.columns()), 0);
+    for points in batches(tracer, chosen.points, config.rows_at_once) {
+        // rows are numbered in their batch: signs and fits have to know which it is
+        rounds.streams.sketch = stream.part(10).part(first as u32);
+        rounds.streams.fits = Stream::new(config.seed, Stage::Transfer, 1).part(first as u32);
+        for fit in rounds
+            .fit(points, &mut first, &mut sketch, halt)?
+            .into_values()
+        {
+            tree.append(&fit.tree, cells.len() as u32);
+            cells.extend(fit.cells);
+        }
+    }
+    let (error, numbers) = (config.cluster_error, stream.part(11));
+    let sketch = clustered(
+        &sketch.read(),
+        &columns,
+        &lighting,
+        error,
+        SKETCH_NODES,
+        numbers,
+    );
+    Ok(TransferModel {
+        receiver_points: count,
+        seed: config.seed,
+        sketch,
+        trust: config.trust,
+        tree,
+        cells,
+        sizes,
+        used,
+        patches,
+        columns,
+        reflectances,
+    })
+}
+
+/// About `count` of the points, evenly picked.
+fn some(points: &[RowPoint], count: usize) -> Vec<RowPoint> {
+    let step = points.len().div_ceil(count.max(1)).max(1);
+    points.iter().step_by(step).copied().collect()
+}
+
+/// Points by surface, whole surfaces together, about `count` at a time.
+fn batches(tracer: &Tracer, points: Vec<RowPoint>, count: usize) -> Vec<Vec<RowPoint>> {
+    let mut surfaces: BTreeMap<SurfaceKey, Vec<RowPoint>> = BTreeMap::new();
+    for point in points {
+        let key = TransferQuery::of_row(tracer, &point).surface;
+        surfaces.entry(key).or_default().push(point);
+    }
+    let mut batches: Vec<Vec<RowPoint>> = vec![Vec::new()];
+    for own in surfaces.into_values() {
+        match batches.last_mut() {
+            Some(last) if last.is_empty() || last.len() + own.len() <= count => last.extend(own),
+            _ => batches.push(own),
+        }
+    }
+    batches
+}
