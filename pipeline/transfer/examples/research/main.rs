@@ -93,8 +93,8 @@ fn model_run(tracer: &Tracer, places: &Places, truth: &Truth, words: &[String]) 
     config.rows = number("rows", 30_000.0) as usize;
     config.paths.paths = number("row-paths", 256.0) as u32;
     config.candidates = number("candidates", 3.0) as f32;
-    config.patch_width = number("patch-width", 1.0) as f32;
-    config.rounds = number("rounds", 2.0) as u32;
+    config.patch_width = number("patch-width", f64::INFINITY) as f32;
+    config.rounds = number("rounds", 0.0) as u32;
     config.target = number("target", 0.06) as f32;
     config.pool = number("pool", 16.0) as f32;
     config.least_rows = number("least", 32.0) as usize;
@@ -106,7 +106,7 @@ fn model_run(tracer: &Tracer, places: &Places, truth: &Truth, words: &[String]) 
     config.net.units = number("units", 16.0) as usize;
     config.net.ridge = number("ridge", 1e-4);
     config.net.decay = number("decay", 0.1);
-    config.local.neighbours = number("neighbours", 24.0) as usize;
+    config.local.neighbours = number("neighbours", 32.0) as usize;
     config.local.view = number("view", 0.15) as f32;
     let choices: &[CellChoice] = match text("choice") {
         Some("nets") => &[CellChoice::Nets],
@@ -114,6 +114,6 @@ fn model_run(tracer: &Tracer, places: &Places, truth: &Truth, words: &[String]) 
         Some("all") => &[CellChoice::Nodes, CellChoice::Nets, CellChoice::Best],
         _ => &[CellChoice::Best],
     };
-    let ensemble = number("ensemble", 220.0) as usize;
+    let ensemble = number("ensemble", 330.0) as usize;
     model::run(tracer, places, truth, ensemble, &config, choices);
 }

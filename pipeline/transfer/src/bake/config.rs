@@ -23,7 +23,8 @@ pub struct TransferConfig {
     pub seed: u64,
     /// Patches of the surface.
     pub patches: PatchConfig,
-    /// Widest patch, in harmonic mean distances of what is around it.
+    /// Widest patch, in harmonic mean distances of what is around it; infinite for patches of one
+    /// size.
     pub patch_width: f32,
     /// Points that each patch's irradiance is asked at.
     pub receiver_points: u32,
@@ -77,7 +78,7 @@ impl Default for TransferConfig {
                 count: 2_000,
                 ..PatchConfig::default()
             },
-            patch_width: 1.0,
+            patch_width: f32::INFINITY,
             receiver_points: 8,
             rows: 30_000,
             paths: RowConfig {
@@ -94,7 +95,7 @@ impl Default for TransferConfig {
             cell_error: 0.01,
             cluster_error: 0.01,
             judging: 8,
-            rounds: 2,
+            rounds: 0,
             target: 0.06,
             local: LocalConfig::default(),
             net: NetConfig::default(),

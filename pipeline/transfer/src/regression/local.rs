@@ -30,7 +30,7 @@ pub struct LocalConfig {
 impl Default for LocalConfig {
     fn default() -> LocalConfig {
         LocalConfig {
-            neighbours: 24,
+            neighbours: 32,
             turn: 0.2,
             view: 0.15,
             floor: 0.05,
