@@ -125,7 +125,11 @@ fn main() {
         model.numbers(),
         start.elapsed().as_secs_f64()
     );
-    let trusted = model.cells.iter().filter(|cell| cell.trusted).count();
+    let trusted = model
+        .cells
+        .iter()
+        .filter(|cell| cell.error <= model.trust)
+        .count();
     println!("{trusted} cells are trusted");
     let book = LightBook::new(&model, &tracer).unwrap();
     let whole = Tracer::new(&scene).unwrap();

@@ -111,7 +111,7 @@ impl ColumnTree {
         self.area[column as usize]
     }
 
-    /// What arrives at every node [W], from what arrives at every column [W/m^2].
+    /// Returns the power \[W\] that arrives at every node, from the irradiance \[W/m²\] of every column.
     pub fn fluxes(&self, irradiance: &[Vec3]) -> Vec<Vec3> {
         let mut sums = vec![Vec3::ZERO; self.children.len()];
         for node in (0..self.children.len()).rev() {

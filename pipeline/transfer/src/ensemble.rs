@@ -95,8 +95,8 @@ fn mean_entries(
 
 impl RelativeWeights {
     /// From radiances of shape [3 rows, lights], each light being scaled to a mean of 1 first: a row's
-    /// weight is 1 / max(its mean over lights, `floor`); a light's brings the mean weighted row to
-    /// 1. A light that gives less than `floor` of what the median light does counts as if it gave
+    /// weight is 1 / max(its mean over lights, `floor`); a light's brings the mean of the weighted
+    /// rows to one. A light that gives less than `floor` of what the median light does counts as if it gave
     /// that.
     pub fn new(radiances: &Array2<f64>, floor: f64) -> RelativeWeights {
         let (rows, lights) = (radiances.nrows() / 3, radiances.ncols());

@@ -51,7 +51,7 @@ impl BatchTracer<'_> {
             .collect();
         let judging = |row: usize| {
             let word = stream.part(7).block(first + row as u64, 0, 0)[0];
-            self.config.judging > 0 && word % self.config.judging == 0
+            self.config.judging > 0 && word.is_multiple_of(self.config.judging)
         };
         let lights = self.lighting.ensemble.lights;
         let mut lit = vec![0.0f32; 6 * lights * sparse.len()];

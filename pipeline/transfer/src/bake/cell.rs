@@ -185,8 +185,8 @@ impl CellFitter<'_> {
                 let Some(fit) = fit else { continue };
                 for (&raw, &factor) in fit.rows.iter().zip(&fit.factors[0]) {
                     let own = factors.entry(raw).or_insert_with(|| vec![0.0; 6 * rank]);
-                    for channel in 0..3 {
-                        let by = factor * shares[part][channel];
+                    for (channel, share) in shares[part].to_array().into_iter().enumerate() {
+                        let by = factor * share;
                         let left = directions.left.row(3 * i + channel);
                         let first = (3 * part + channel) * rank;
                         for (f, &u) in own[first..first + rank].iter_mut().zip(left) {

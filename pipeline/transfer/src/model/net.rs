@@ -39,7 +39,7 @@ impl TransferNet {
     }
 
     /// The outputs for a light: each row of output weights, shape [rank, 3], with the light's
-    /// coefficients. What is left is one output a channel, shape [features].
+    /// coefficients. What is left is one output a channel, shape \[features\].
     pub fn contract(&self, coefficients: &[Vec3]) -> Vec<Vec3> {
         let width = 3 * coefficients.len();
         (self.output.chunks_exact(width.max(1)))

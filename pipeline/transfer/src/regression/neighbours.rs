@@ -141,7 +141,7 @@ mod tests {
         let stream = Stream::new(4, rrf_sampling::Stage::Test, 0);
         let place = |i: u64| {
             let (a, b) = (stream.units(i, 0, 0), stream.units(i, 0, 1));
-            let flat = i % 3 == 0;
+            let flat = i.is_multiple_of(3);
             [
                 a[0],
                 if flat { 0.5 } else { a[1] },
