@@ -1,4 +1,4 @@
-//! What memory there is, asked before work that needs it.
+//! Available memory, asked for before work that needs it.
 
 use crate::failure::BadInput;
 

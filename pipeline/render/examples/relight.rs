@@ -48,7 +48,7 @@ fn is_free(tracer: &Tracer, places: &[Vec3], place: Vec3) -> bool {
     blocked.contains(&false)
 }
 
-/// What eyes at free places see in all directions.
+/// Surface points that eyes at free places see in all directions.
 fn draw(tracer: &Tracer, places: &[Vec3], first: u64, count: usize) -> Vec<RowPoint> {
     let stream = Stream::new(1, Stage::Test, 2);
     let (mut rays, mut hits) = (Rays::default(), Hits::default());

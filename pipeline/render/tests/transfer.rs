@@ -24,7 +24,7 @@ fn cornell() -> Scene {
     load(path.as_ref(), &LoadOptions::default()).unwrap()
 }
 
-/// What eyes in the room see.
+/// Surface points that eyes in the room see.
 fn seen(tracer: &Tracer, count: usize) -> Vec<RowPoint> {
     let stream = Stream::new(3, Stage::Test, 0);
     let (mut rays, mut hits) = (Rays::default(), Hits::default());

@@ -1,6 +1,6 @@
 //! Columns of the transfer in a tree: near light patch by patch, far light by the cluster.
 //!
-//! What a far cluster of patches sends to a cell depends on the sum of their light alone, or almost;
+//! The light that a far cluster of patches sends to a cell depends on its sum alone, or almost;
 //! a tree over all columns, as in lightcuts (Walter et al. 2005), lets every cell take each part of
 //! the scene as finely as it needs. A node's light is the area-weighted sum of its columns'
 //! irradiance: the flux that arrives there.

@@ -56,7 +56,7 @@ impl Ensemble {
     }
 }
 
-/// What the lights of an ensemble make of rows: shape [3 rows, lights], channels of a row
+/// Radiances of rows under the lights of an ensemble: shape [3 rows, lights], channels of a row
 /// together.
 pub fn radiances(rows: &TransferRows, colours: &[Vec3], ensemble: &Ensemble) -> Array2<f64> {
     let lights = ensemble.lights;

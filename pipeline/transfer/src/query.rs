@@ -1,4 +1,4 @@
-//! What a model is asked, and what regression sees of a surface point.
+//! Queries of a model, and the surface point as regression sees it.
 
 use crate::rows::RowPoint;
 use crate::tracing::{SurfacePoint, Tracer};

@@ -1,4 +1,4 @@
-//! What a material makes of light that is the same from all directions.
+//! Directional albedos: a material's answer to light that is the same from all directions.
 //!
 //! The two parts of a row depend on the viewer mostly by how much of the light the
 //! surface sends to it at all: Fresnel's factor, masking, Burley's retro-reflection. Divided by

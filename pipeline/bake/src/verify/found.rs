@@ -1,4 +1,4 @@
-//! What checks find.
+//! Findings of the checks.
 
 use crate::error::BakeError;
 use serde::Serialize;
@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 pub struct Damage {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The damage.
     pub what: String,
-    /// What mends the run.
+    /// The remedy.
     pub remedy: String,
 }
 
@@ -26,7 +26,7 @@ impl Damage {
     }
 }
 
-/// What one check found: the files that belong to the run, and damages.
+/// Findings of one check: the files that belong to the run, and damages.
 #[derive(Default)]
 pub(super) struct Found {
     pub known: BTreeSet<PathBuf>,

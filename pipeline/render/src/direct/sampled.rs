@@ -95,7 +95,7 @@ struct ShadowRay {
 /// The picture's part that is shaded: number of its first pixel, width of the picture.
 pub(crate) type Pixels = (u64, u32);
 
-/// What all rays of a tile share.
+/// Parameters that all rays of a tile share.
 struct Aim<'a> {
     tracer: &'a Tracer<'a>,
     seen: &'a VisiblePoints,

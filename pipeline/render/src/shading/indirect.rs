@@ -16,7 +16,7 @@ use rrf_transfer::{LightBook, LitTransfer, RowPoint, SurfaceKey, TransferQuery};
 /// Share of a light that a transfer's basis may leave out for the frame to be trusted.
 pub const MOST_RESIDUAL: f32 = 0.1;
 
-/// What was baked.
+/// A baked model.
 #[derive(Clone, Copy)]
 pub(super) enum Baked<'a> {
     /// Nets that see point lights.
@@ -25,7 +25,7 @@ pub(super) enum Baked<'a> {
     Transfer(&'a LightBook<'a>),
 }
 
-/// What was baked, under a frame's lights.
+/// A baked model under a frame's lights.
 pub(super) enum Lit<'f> {
     Nets(LitField<'f>),
     Transfer(LitTransfer<'f>),

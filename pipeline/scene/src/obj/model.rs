@@ -1,4 +1,4 @@
-//! What an OBJ file contains.
+//! Contents of an OBJ file.
 
 use crate::polygon::triangulate;
 use glam::{DVec3, Vec2, Vec3};

@@ -35,7 +35,7 @@ pub fn run(
     }
 }
 
-/// What flat mirrors add by way of the judged points themselves, shape [points, lights].
+/// Light that flat mirrors add by way of the judged points themselves, shape [points, lights].
 pub fn own_light(mirrors: &FlatMirrors, truth: &Truth) -> Vec<Vec3> {
     let of = |&l: &Vec3| mirrors.at_rows(&one_watt(l), &truth.points, 0);
     let by_light: Vec<Vec<Vec3>> = truth.lights.iter().map(of).collect();

@@ -12,7 +12,7 @@ use rrf_transfer::{
 };
 use std::collections::BTreeMap;
 
-/// What to try.
+/// Settings of a trial.
 pub struct Plan {
     pub patches: usize,
     pub paths: u32,

@@ -17,7 +17,7 @@ use crate::tracing::Stream;
 use glam::Vec3;
 use ndarray::{Array1, Array2};
 
-/// What all cells are fitted by.
+/// Data and settings that all cells are fitted by.
 pub(crate) struct CellFitter<'a> {
     pub(crate) batch: &'a Batch,
     pub(crate) fits: &'a LocalFits<'a>,

@@ -1,4 +1,4 @@
-//! What a cell reads, by clusters of columns.
+//! A cell's read of a light, by clusters of columns.
 
 use super::lighting::Lighting;
 use crate::columns::ColumnTree;

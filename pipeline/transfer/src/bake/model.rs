@@ -26,7 +26,7 @@ const SKETCH_NODES: usize = 4_096;
 
 /// Bakes a scene: everything but the lights, which are only examples of what may come.
 ///
-/// The same bits for the same input at any number of threads.
+/// The bits do not depend on the number of threads.
 pub fn bake_transfer(
     tracer: &Tracer,
     points: &dyn PointDraw,

@@ -49,7 +49,7 @@ pub(crate) struct SurfaceFit {
 
 /// Further rows of a cell in a round, as a share of those it has.
 const GROWTH: f32 = 1.5;
-/// What even light counts for beside steep light.
+/// Weight of even light beside steep light.
 const EVEN: f32 = 0.1;
 
 impl Rounds<'_> {

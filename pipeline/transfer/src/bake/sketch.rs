@@ -27,7 +27,7 @@ pub(crate) struct Sketch {
     sums: Vec<f32>,
 }
 
-/// What a row counts for in a combination: its sign there.
+/// Weight of a row in a combination: its sign there.
 pub(crate) fn sign(stream: Stream, row: u32, sketch: usize) -> f32 {
     let word = stream.block(u64::from(row), 0, 0)[0];
     if word >> sketch & 1 == 0 { 1.0 } else { -1.0 }

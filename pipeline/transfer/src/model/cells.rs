@@ -2,7 +2,7 @@
 
 use crate::query::{SurfaceKey, TransferQuery};
 
-/// What a branch looks at: position x y z, geometric normal x y z, or nothing: it is a leaf.
+/// Coordinate that a branch compares: position x y z, geometric normal x y z, or nothing: it is a leaf.
 pub const LEAF_AXIS: u8 = u8::MAX;
 
 /// A node of the tree.

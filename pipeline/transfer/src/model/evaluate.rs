@@ -12,7 +12,7 @@ const BATCH: usize = 1024;
 /// Deviations by which a point may lie outside of what its net was fitted to.
 const MARGIN: f32 = 0.5;
 
-/// What a model answers.
+/// A model's answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransferAnswer {
     /// Indirect radiance toward the viewer [W/(sr m^2)], a channel; not clamped.

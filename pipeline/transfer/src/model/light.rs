@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// What is left of each cell's outputs under a light: made once a change of light.
+/// Each cell's outputs under a light: made once a change of light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightCoefficients {
     /// Contracted outputs of all cells.

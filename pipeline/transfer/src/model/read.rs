@@ -1,4 +1,4 @@
-//! What a cell reads of a light.
+//! A cell's read of a light.
 
 use glam::Vec3;
 

@@ -50,7 +50,7 @@ pub(crate) struct LocalFits<'a> {
     pub(crate) surroundings: Vec<Surroundings>,
 }
 
-/// What the rows around a row are like.
+/// Statistics of the rows around a row.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Surroundings {
     /// Deviation of the logarithm of what they get.

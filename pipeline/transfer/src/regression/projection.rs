@@ -17,7 +17,7 @@ use crate::tracing::Stream;
 use ndarray::{Array1, Array2, Axis, s};
 use rrf_lm::{Cholesky, LmConfig, NormalEquations, Problem, Scaling, Solver};
 
-/// What a net is fitted to.
+/// Targets of a net's fit.
 pub(crate) struct Samples {
     /// Which of a point's inputs.
     pub(crate) inputs: Vec<u8>,

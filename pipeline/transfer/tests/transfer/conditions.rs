@@ -1,4 +1,4 @@
-//! What light conditions an ensemble has.
+//! The light conditions of an ensemble.
 
 use crate::scenes::{cornell, room};
 use glam::Vec3;

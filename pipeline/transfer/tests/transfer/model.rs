@@ -21,7 +21,7 @@ fn lights(count: u64, seed: u64) -> Vec<PointSource> {
     (0..count).map(light).collect()
 }
 
-/// What eyes in the room see in random directions.
+/// Surface points that eyes in the room see in random directions.
 fn seen(tracer: &Tracer, first: u64, count: usize, seed: u64) -> Vec<RowPoint> {
     let stream = Stream::new(seed, Stage::Test, 4);
     let (mut rays, mut hits) = (Rays::default(), Hits::default());

@@ -1,4 +1,4 @@
-//! What flat mirrors throw straight on a surface: the image of a light of any kind.
+//! Light that flat mirrors throw straight on a surface: the image of a light of any kind.
 //!
 //! A point x behind a mirror's plane at its own image x' sees the light as x sees it in the mirror.
 //! So a light's arrivals at x', folded back, are those by way of the mirror: exact for every kind
