@@ -18,6 +18,7 @@ use rrf_render::{
     Frame, PathOptions, RenderOptions, Renderer, ShadowRays, Surroundings, View, trace_untrusted,
 };
 use rrf_trace::Tracer;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Size of a path's frames where --size is not given.
@@ -229,6 +230,15 @@ fn warn(args: &RenderArgs, baked: &Baked, tracer: &Tracer, shots: &[Shot]) -> Re
     }
     if more > 0 {
         eprintln!("warning: {more} more warnings like these");
+    }
+    let sources = shots.iter().flat_map(|shot| &shot.lights.sources);
+    let names: BTreeSet<&str> = sources.map(|light| light.name.as_str()).collect();
+    if !names.is_empty() {
+        let names = names.into_iter().collect::<Vec<_>>().join(", ");
+        eprintln!(
+            "warning: {names}: nets know point lights, so that the indirect light of these is missing; \
+             `rrf trace` has it"
+        );
     }
     Ok(())
 }
