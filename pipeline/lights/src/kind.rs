@@ -107,7 +107,7 @@ pub trait LightKind: Clone + PartialEq {
     /// The same light, every channel times a factor.
     fn dimmed(&self, factor: Vec3) -> Self;
 
-    /// The same light at another position, where it has one.
+    /// A copy of the light at another position, where it has one.
     fn moved(&self, _to: Vec3) -> Option<Self> {
         None
     }

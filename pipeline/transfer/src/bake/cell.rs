@@ -126,7 +126,7 @@ impl CellFitter<'_> {
         part == 1 || self.metals.get(material as usize).copied().unwrap_or(false)
     }
 
-    /// What a row's parts count for in its radiance, relative to what it gets.
+    /// Weights of a row's parts in its radiance, relative to what it gets.
     fn shares(&self, row: u32) -> [Vec3; 2] {
         let query = &self.batch.table.queries[row as usize];
         let weight = self.fits.weights[row as usize];
@@ -173,7 +173,7 @@ impl CellFitter<'_> {
         })
     }
 
-    /// What one unit of irradiance on a column adds to each direction: the rows' own columns.
+    /// Contribution of one unit of irradiance on a column to each direction: the rows' own columns.
     fn dense_read(&self, rows: &[u32], smoothed: &Smoothed, directions: &Directions) -> DenseRead {
         let rank = directions.rank;
         let table = &self.batch.table;

@@ -14,9 +14,9 @@ use rayon::prelude::*;
 pub(crate) struct SketchRow {
     /// The row of the batch that it lies at.
     pub(crate) row: u32,
-    /// What the parts of rows count for in it.
+    /// Weights of the rows' parts in it.
     pub(crate) parts: [Option<Combination>; 2],
-    /// What its own parts count for in its weighted radiance.
+    /// Weights of its own parts in its weighted radiance.
     pub(crate) shares: [Vec3; 2],
 }
 
@@ -73,7 +73,7 @@ impl Sketch {
         });
     }
 
-    /// What the combinations read of a light.
+    /// The combinations' read of a light.
     pub(crate) fn read(&self) -> DenseRead {
         let weights = (0..self.columns).flat_map(|column| {
             (0..SKETCHES).map(move |sketch| self.sums[sketch * self.columns + column])
