@@ -231,7 +231,7 @@ mod tests {
         let scene = load(path.as_ref(), &LoadOptions::default()).unwrap();
         let patches = Patches::new(&scene, &PatchConfig::default(), &|_| 1.0).unwrap();
         let tree = ColumnTree::new(&patches);
-        let (lighting, _) = even_lighting(&patches, &tree);
+        let lighting = even_lighting(&patches, &tree);
         // a read that falls with the distance from a corner
         let corner = Vec3::new(-0.9, 0.1, -0.9);
         let weights = (0..patches.len() as u32).flat_map(|p| {

@@ -106,11 +106,8 @@ pub(crate) mod tests {
     use crate::patches::Patches;
     use rrf_sampling::{Stage, Stream};
 
-    /// Point lights in a room without shadows, and other ones.
-    pub(crate) fn even_lighting(
-        patches: &Patches,
-        columns: &ColumnTree,
-    ) -> (Lighting, Vec<Vec<Vec3>>) {
+    /// Point lights in a room without shadows.
+    pub(crate) fn even_lighting(patches: &Patches, columns: &ColumnTree) -> Lighting {
         let stream = Stream::new(2, Stage::Test, 6);
         let light = |i: u64| -> Vec<Vec3> {
             let u = stream.units(i, 0, 0);
@@ -130,10 +127,6 @@ pub(crate) mod tests {
                 .collect()
         };
         let kept: Vec<_> = (0..120).map(light).collect();
-        let fresh = (200..220).map(light).collect();
-        (
-            Lighting::of(Ensemble::new(&kept), &kept, Vec::new(), columns),
-            fresh,
-        )
+        Lighting::of(Ensemble::new(&kept), &kept, Vec::new(), columns)
     }
 }
