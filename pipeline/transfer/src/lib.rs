@@ -38,7 +38,9 @@ mod svd;
 mod tracing;
 mod walk;
 
-pub use bake::{CellChoice, PointDraw, TransferConfig, bake_transfer};
+pub use bake::{
+    CellChoice, PointDraw, TransferConfig, TransferStage, TransferWatch, bake_transfer,
+};
 pub use book::{LightBook, LitTransfer};
 pub use columns::ColumnTree;
 pub use ensemble::{Ensemble, RelativeWeights, radiances};

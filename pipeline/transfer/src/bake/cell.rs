@@ -106,6 +106,7 @@ impl CellFitter<'_> {
                     error,
                     parts,
                     rows: rows.len() as u32,
+                    judged: judges.len() as u32,
                     ..TransferCell::default()
                 });
             }

@@ -1,5 +1,6 @@
 //! The ensemble of lights that a bake weighs things by.
 
+use super::watch::TransferWatch;
 use crate::TransferError;
 use crate::columns::ColumnTree;
 use crate::ensemble::{Ensemble, RelativeWeights, radiances};
@@ -37,14 +38,15 @@ impl Lighting {
         pilot: &TransferRows,
         colours: &[Vec3],
         columns: &ColumnTree,
-        halt: &(dyn Fn() -> bool + Sync),
+        watch: &dyn TransferWatch,
     ) -> Result<Lighting, TransferError> {
         let mut shone = Vec::with_capacity(lights.len());
         for light in lights {
-            if halt() {
+            if watch.halted() {
                 return Err(TransferError::Halted);
             }
             shone.push(receivers.irradiance(*light));
+            watch.advance(1);
         }
         let all = Ensemble::new(&shone);
         let matrix = radiances(pilot, colours, &all);

@@ -11,7 +11,9 @@ mod rounds;
 mod sketch;
 mod smooth;
 mod tree;
+mod watch;
 
 pub use config::{CellChoice, TransferConfig};
 pub use draw::PointDraw;
 pub use model::bake_transfer;
+pub use watch::{TransferStage, TransferWatch};

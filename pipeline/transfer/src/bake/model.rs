@@ -7,6 +7,7 @@ use super::draw::{PointDraw, choose, met};
 use super::lighting::Lighting;
 use super::rounds::{RoundStreams, Rounds};
 use super::sketch::Sketch;
+use super::watch::{TransferStage, TransferWatch};
 use crate::TransferError;
 use crate::columns::ColumnTree;
 use crate::irradiance::Receivers;
@@ -32,12 +33,16 @@ pub fn bake_transfer(
     points: &dyn PointDraw,
     lights: &[&dyn DirectLight],
     config: &TransferConfig,
-    halt: &(dyn Fn() -> bool + Sync),
+    watch: &dyn TransferWatch,
 ) -> Result<TransferModel, TransferError> {
     let stream = Stream::new(config.seed, Stage::Transfer, 0);
     let scene = tracer.scene();
+    watch.begin(TransferStage::Points, 1);
     let coarse = Patches::new(scene, &config.patches, &|_: Vec3| 1.0)?;
     let chosen = choose(tracer, &coarse, points, config, stream)?;
+    if watch.halted() {
+        return Err(TransferError::Halted);
+    }
     let places = chosen.even.iter().map(|point| point.point.position);
     let around: Vec<(Vec3, f32)> = places.zip(chosen.distances.iter().copied()).collect();
     let edge = Patches::edge(scene, &config.patches);
@@ -52,8 +57,9 @@ pub fn bake_transfer(
     let (count, fixed) = (config.receiver_points, receiver_stream(config.seed));
     let receivers = Receivers::new(tracer, &patches, count, Some(&used), fixed);
     let colour = |point: &RowPoint| tracer.material_at(&point.point).base_color;
+    watch.begin(TransferStage::Lights, lights.len() as u64);
     let colours: Vec<Vec3> = pilot.iter().map(colour).collect();
-    let lighting = Lighting::new(&receivers, lights, &pilot_rows, &colours, &columns, halt)?;
+    let lighting = Lighting::new(&receivers, lights, &pilot_rows, &colours, &columns, watch)?;
     drop(pilot_rows);
     let reflectances = Reflectances::new(tracer.scene());
     let materials = tracer.scene().materials.iter();
@@ -75,19 +81,22 @@ pub fn bake_transfer(
             sketch: stream,
         },
     };
+    watch.begin(TransferStage::Cells, chosen.points.len() as u64);
     let (mut tree, mut cells) = (SurfaceCells::default(), Vec::new());
     let (mut sketch, mut first) = (Sketch::new(columns.columns()), 0);
     for points in batches(tracer, chosen.points, config.rows_at_once) {
         // rows are numbered in their batch: signs and fits have to know which it is
+        let count = points.len() as u64;
         rounds.streams.sketch = stream.part(10).part(first as u32);
         rounds.streams.fits = Stream::new(config.seed, Stage::Transfer, 1).part(first as u32);
         for fit in rounds
-            .fit(points, &mut first, &mut sketch, halt)?
+            .fit(points, &mut first, &mut sketch, watch)?
             .into_values()
         {
             tree.append(&fit.tree, cells.len() as u32);
             cells.extend(fit.cells);
         }
+        watch.advance(count);
     }
     let (error, numbers) = (config.cluster_error, stream.part(11));
     let sketch = clustered(
@@ -107,6 +116,7 @@ pub fn bake_transfer(
         cells,
         sizes,
         used,
+        patch_config: config.patches,
         patches,
         columns,
         reflectances,

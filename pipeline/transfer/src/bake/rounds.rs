@@ -5,6 +5,7 @@ use super::cell::CellFitter;
 use super::draw::near;
 use super::sketch::{Sketch, SketchRow};
 use super::tree::cut;
+use super::watch::TransferWatch;
 use crate::TransferError;
 use crate::columns::ColumnTree;
 use crate::model::{SurfaceCells, TransferCell};
@@ -59,7 +60,7 @@ impl Rounds<'_> {
         mut points: Vec<RowPoint>,
         first: &mut u64,
         sketch: &mut Sketch,
-        halt: &(dyn Fn() -> bool + Sync),
+        watch: &dyn TransferWatch,
     ) -> Result<BTreeMap<SurfaceKey, SurfaceFit>, TransferError> {
         let config = self.tracer.config;
         let mut batch = self.trace(&points, first)?;
@@ -68,10 +69,10 @@ impl Rounds<'_> {
         todo.sort_unstable();
         todo.dedup();
         for round in 0..=config.rounds {
-            if halt() {
+            if watch.halted() {
                 return Err(TransferError::Halted);
             }
-            for (key, fit) in self.cells(&batch, &todo)? {
+            for (key, fit) in self.cells(&batch, &todo, watch)? {
                 found.insert(key, fit);
             }
             if round == config.rounds {
@@ -134,6 +135,7 @@ impl Rounds<'_> {
         &self,
         batch: &Batch,
         surfaces: &[SurfaceKey],
+        watch: &dyn TransferWatch,
     ) -> Result<Vec<(SurfaceKey, SurfaceFit)>, TransferError> {
         let table = &batch.table;
         let config = self.tracer.config;
@@ -180,6 +182,9 @@ impl Rounds<'_> {
         }
         let fitted: Vec<Result<_, TransferError>> = (cells.par_iter())
             .map(|(_, rows, judges)| {
+                if watch.halted() {
+                    return Err(TransferError::Halted);
+                }
                 let name = rows.first().copied().unwrap_or(0);
                 fitter.fit(rows, judges, self.streams.fits.part(name))
             })

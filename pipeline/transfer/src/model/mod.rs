@@ -7,6 +7,7 @@ mod net;
 mod nodes;
 mod part;
 mod read;
+mod structure;
 mod transfer;
 
 pub(crate) use cells::{AXES, coordinate};

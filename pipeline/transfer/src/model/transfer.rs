@@ -7,7 +7,7 @@ use super::read::LightRead;
 use crate::TransferError;
 use crate::columns::ColumnTree;
 use crate::irradiance::Receivers;
-use crate::patches::{PatchSizes, Patches};
+use crate::patches::{PatchConfig, PatchSizes, Patches};
 use crate::reflectance::Reflectances;
 use crate::tracing::{Stream, Tracer};
 use glam::Vec3;
@@ -28,6 +28,8 @@ pub struct TransferCell {
     pub error: f32,
     /// Rows that it was fitted to.
     pub rows: u32,
+    /// Rows that the error is taken over.
+    pub judged: u32,
     /// Shape [sketches, rank]: its rows' part of the random combinations.
     pub sketch: Vec<f32>,
 }
@@ -37,6 +39,8 @@ pub struct TransferCell {
 pub struct TransferModel {
     /// Where light is asked for.
     pub patches: Patches,
+    /// How they were asked for.
+    pub patch_config: PatchConfig,
     /// How fine they are where.
     pub sizes: PatchSizes,
     /// Columns of the patches by the cluster.

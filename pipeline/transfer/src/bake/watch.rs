@@ -1,0 +1,41 @@
+//! The observer of a bake, which may stop it.
+
+/// A stage of a bake.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TransferStage {
+    /// Surface points are chosen.
+    Points,
+    /// The ensemble's lights are asked for, one by one.
+    Lights,
+    /// Rows are traced and cells fitted, counted in first rows.
+    Cells,
+}
+
+impl TransferStage {
+    /// Name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            TransferStage::Points => "points",
+            TransferStage::Lights => "lights",
+            TransferStage::Cells => "cells",
+        }
+    }
+}
+
+/// Observes a bake. Every method has a default; a function that tells whether to stop is one too.
+pub trait TransferWatch: Sync {
+    /// Whether the bake is to stop. It is asked every second or so of work.
+    fn halted(&self) -> bool {
+        false
+    }
+    /// A stage of `total` steps begins; the one before is over.
+    fn begin(&self, _stage: TransferStage, _total: u64) {}
+    /// More steps are done.
+    fn advance(&self, _steps: u64) {}
+}
+
+impl<F: Fn() -> bool + Sync> TransferWatch for F {
+    fn halted(&self) -> bool {
+        self()
+    }
+}
