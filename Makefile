@@ -86,7 +86,7 @@ $(ENGINES)/installed: tests/engines/requirements.txt
 	@touch $@
 
 # the README's picture of `rrf view`, by its own test
-docs/view.png: build python $(VENV)/installed
+docs/images/view.png: build python $(VENV)/installed
 	test -d $(OUT)/run || $(MAKE) demo
 	RRF=$(abspath $(RRF)) RRF_RUN=$(OUT)/run RRF_SCREENSHOT=$@ \
 		$(VENV)/bin/python -m pytest -q tests/python/test_view.py -k screenshot

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Builds the fuzz targets and runs them for a stated CPU time; the figures of docs/fuzzing.md.
+"""Builds the fuzz targets and runs them for a stated CPU time; the figures of fuzz/README.md.
 
 Needs a nightly compiler and a C++ compiler, not the tool cargo-fuzz (which adds the same flags).
 Inputs come from `seeds/` and `kept/TARGET.zip`, new ones go to `corpus/`; `--keep` makes the archive of a

@@ -2,7 +2,7 @@
 
 For each scene: bakes it (seed 1, --preset standard), queries the table of another renderer where
 there is one, renders held-out frames at random viewpoints and lights by the model and by `rrf
-trace`, and prints one row of the table in docs/accuracy.md. A run that lies in DIR already is
+trace`, and prints one row of the table in docs/science/report.md. A run that lies in DIR already is
 judged as it is. Nothing here is used for training or for choosing a setting.
 
 The noise of the reference frames: each is traced once more from another seed with a quarter of the

@@ -2,7 +2,7 @@
 
 Two kinds of bakes, by their test rows: one round of fixed settings (--rounds 1), one of which is
 varied, and whole bakes, the standard preset for two minutes at the most. Writes
-docs/failure-map.md with a chart each:
+docs/science/failure-map.md with a chart each:
 
 - roughness of every surface of the glossy room, 1.0 to 0.05, both kinds;
 - paths a row and cells, in the Cornell box with lights anywhere in the room, one round;
@@ -207,7 +207,7 @@ def main():
     parser.add_argument("--scale", type=float, default=1.0)
     args = parser.parse_args()
     args.work.mkdir(parents=True, exist_ok=True)
-    folder = HERE.parent / "docs" if args.scale == 1 else args.work
+    folder = HERE.parent / "docs" / "science" if args.scale == 1 else args.work
     page = ["# Failure map", "", "Made by `.venv-peers/bin/python tests/failure_map.py`. *One round*: "]
     page[-1] += f"{CELLS_FIXED} cells, {ROWS:,} rows of {PATHS_FIXED} paths where nothing else is said. "
     page[-1] += f"*Whole bake*: the standard preset, target 5%, {SECONDS} s at the most on two cores. "
@@ -229,7 +229,7 @@ def main():
 
     rows = [(n, *one_round(args, "free", CORNELL, FREE, cells=n)[1]) for n in CELLS]
     text = "The same rows shared out to more and more cells. Cells alone are not enough, nor are paths: the rounds of a "
-    text += "bake put both where the error is; in 5½ minutes they reach 5.3 % here ([accuracy](accuracy.md))."
+    text += "bake put both where the error is; in 5½ minutes they reach 5.3 % here ([accuracy](report.md))."
     page += section(folder, "cells", "Cells", "cells", CELLS, CELLS, {ONE: rows}, text)
 
     kinds = ((ONE, one_round), (WHOLE, whole))

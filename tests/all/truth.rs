@@ -5,7 +5,7 @@ use crate::program::{Place, cornell, done, file, oracle};
 use crate::table::Table;
 
 /// `estimator` is the table's own where it misses light: next-event estimation rarely meets a light
-/// that is millimetres from a surface, or one that a mirror shows (docs/accuracy.md).
+/// that is millimetres from a surface, or one that a mirror shows (docs/science/report.md).
 fn agrees(scene: &str, table: &str, estimator: &str, paths: &str) {
     let place = Place::new();
     let out = place.name("out.parquet");

@@ -167,7 +167,7 @@ def options():
     parser.add_argument("--spp", type=int, default=1024, help=paths)
     parser.add_argument("--runs", type=int, default=8, help="at least 5")
     parser.add_argument("--json", type=Path, help="results, machine-readable")
-    parser.add_argument("--page", type=Path, help="put the figures into this page: docs/peers.md")
+    parser.add_argument("--page", type=Path, help="put the figures into this page: docs/science/peers.md")
     args = parser.parse_args()
     if args.runs < 5 or args.spp < 16:
         parser.error("--runs has to be at least 5, --spp at least 16")

@@ -1,5 +1,5 @@
 //! Mutates whole files of `fuzz/seeds` and reads them, on a stock compiler: what can be had of
-//! fuzzing without coverage. The targets are those of `fuzz/`; see `docs/fuzzing.md`.
+//! fuzzing without coverage. The targets are those of `fuzz/`; see `fuzz/README.md`.
 //!
 //!     cargo run --release -p rrf-bake --example mutate -- parquet 60 1
 //!

@@ -4,7 +4,7 @@ use glam::Vec3;
 use rrf_trace::Tracer;
 
 /// A light nearer to a surface than this share of the diagonal of the baked light box is badly learned
-/// (docs/failure-map.md).
+/// (docs/science/failure-map.md).
 const NEAR_SURFACE: f32 = 0.025;
 
 /// A light nearer to a surface than this share of the scene's size is on it.

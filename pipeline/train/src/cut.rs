@@ -2,7 +2,7 @@
 //!
 //! A regression is no match for a net, but it is a thousand times cheaper, and where two, one a side,
 //! leave much less than one over the whole, two nets do so too. Neither [`Rule`] is the better
-//! one in all scenes (docs/accuracy.md).
+//! one in all scenes (docs/science/report.md).
 
 use ndarray::{Array2, ArrayView2, Axis, s};
 use rrf_field::columns::{self, Columns};

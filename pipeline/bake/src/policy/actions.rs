@@ -2,7 +2,7 @@
 //!
 //! The squared error of a cell is split into two parts: the *fit*, which is the error on the training
 //! rows, and the *gap* between that and the error on held-out rows. The factors by which an action
-//! changes either were measured (docs/accuracy.md). [`best_cut`] finds the place of a split.
+//! changes either were measured (docs/science/report.md). [`best_cut`] finds the place of a split.
 
 use crate::plan::evaluation::CellEvaluation;
 use crate::plan::refinement::{Action, Refinement};

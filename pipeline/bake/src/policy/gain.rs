@@ -2,7 +2,7 @@
 //! each kind of action, over the last rounds of this run.
 //!
 //! Scenes differ in what helps them. Under an overhead light twice the rows did as much for a cell
-//! of glossy walls as a split; with lights anywhere they hardly helped (docs/accuracy.md).
+//! of glossy walls as a split; with lights anywhere they hardly helped (docs/science/report.md).
 
 use crate::plan::evaluation::CellEvaluation;
 use crate::plan::refinement::{Action, Refinement, RefinementKind};

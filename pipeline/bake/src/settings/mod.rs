@@ -182,5 +182,5 @@ impl BakeConfig {
     }
 }
 
-/// Inputs that small cells do without: nets learn them from the point and the light (docs/accuracy.md).
+/// Inputs that small cells do without: nets learn them from the point and the light (docs/science/report.md).
 const WAY_TO_LIGHT: [&str; 4] = ["dx", "dy", "dz", "inv_distance"];

@@ -79,7 +79,7 @@ pub enum TrainMode {
 /// `rrf run`.
 #[derive(Args, Clone, Debug)]
 pub struct RunArgs {
-    /// List of bakes, TOML (see docs/batch.md).
+    /// List of bakes, TOML (see docs/guide/batch.md).
     pub batch: PathBuf,
     /// Check everything and print the predicted cost; write nothing.
     #[arg(long)]

@@ -32,7 +32,7 @@ pub struct SweepArgs {
     /// The sweep's folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Settings to bake and the frame to measure: docs/accuracy.md has an example.
+    /// Settings to bake and the frame to measure: docs/science/report.md has an example.
     #[arg(long, value_name = "grid.toml")]
     pub grid: PathBuf,
 }

@@ -28,7 +28,7 @@ pub(super) struct Batch<'a> {
 }
 
 /// Of the vertices after the first, this many look at mirrors: half of them cost a tenth more
-/// variance and a fifth less time (docs/accuracy.md).
+/// variance and a fifth less time (docs/science/report.md).
 const LATER: f32 = 0.5;
 
 /// The largest number that a choice takes.

@@ -71,7 +71,7 @@ fn each_value(id: u8, rows: &OrderedRows, range: Range<usize>, mut see: impl FnM
 /// In a `lambert` cell also those that differ from their usual value in fewer than [`FEWEST`] rows. A
 /// strip of wall in a cell of floor is a few rows, many deviations away: points there would get
 /// whatever a net makes of such inputs, and shine. Where materials are glossy such a strip may be
-/// ten times as dark as its cell; even three rows are then better than none (docs/accuracy.md).
+/// ten times as dark as its cell; even three rows are then better than none (docs/science/report.md).
 pub(crate) fn scale(
     ids: &[u8],
     rows: &OrderedRows,

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! SETUP: `salon PATH`, `overhead`, `free`, `free15`. `oracle=TABLE.csv`: raw rows against a table.
-//! Results: `docs/transfer.md`.
+//! Results: `docs/science/transfer.md`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

@@ -110,7 +110,7 @@ fn error(tracer: &Tracer, model: &TransferModel) -> f32 {
 }
 
 /// A small bake comes within 10 % of the truth, whichever cells it has: 5 % to 6 % was measured, and
-/// less for larger bakes (docs/transfer.md).
+/// less for larger bakes (docs/science/transfer.md).
 #[test]
 fn models_answer_fresh_points_and_lights() {
     let scene = cornell();
