@@ -2,6 +2,7 @@
 # make check  what has to hold before a commit: format, lints, unit tests, structure, docs
 # make test   everything that has to hold: Rust and Python
 # make notebooks   the notebooks, executed on a small run
+# make docs   the pages of docs/ as a web site in out/book
 
 OUT ?= out/demo
 SCENE = scenes/cornell-box/scene.pbrt
@@ -13,7 +14,7 @@ NOTEBOOKS = .venv-notebooks
 ENGINES = .venv-engines
 
 .PHONY: demo check test setup test-setup build report rust-tests python-tests run-tests engine-tests \
-	notebook-tests python notebooks engines clean
+	notebook-tests python notebooks engines docs clean
 
 setup:
 	@sh tests/setup.sh
@@ -108,6 +109,15 @@ notebook-tests: rust-tests $(NOTEBOOKS)/installed
 $(NOTEBOOKS)/installed: notebooks/requirements.txt notebooks/setup.sh
 	sh notebooks/setup.sh $(NOTEBOOKS)
 	@touch $@
+
+MDBOOK = out/tools/bin/mdbook
+
+docs: build $(MDBOOK)
+	python3 docs/generate.py --rrf $(RRF)
+	$(MDBOOK) build docs
+
+$(MDBOOK):
+	cargo install mdbook --version 0.5.4 --locked --no-default-features --features search --root out/tools
 
 clean:
 	rm -rf out $(VENV) $(NOTEBOOKS) $(ENGINES)
