@@ -6,6 +6,7 @@ use rrf_scene::SceneError;
 use rrf_store::StoreError;
 use rrf_trace::TraceError;
 use rrf_train::TrainError;
+use rrf_transfer::TransferError;
 use std::path::PathBuf;
 
 /// Reason that a bake stops between two tasks.
@@ -38,6 +39,19 @@ pub enum BakeError {
     /// A fit cannot start.
     #[error(transparent)]
     Train(#[from] TrainError),
+    /// A transfer cannot be made.
+    #[error(transparent)]
+    Transfer(TransferError),
+    /// The run was baked by another method than is needed.
+    #[error("{path}: is a run of {found}; this works on a run of {needed}. Choose the method by `rrf bake --method`", path = path.display())]
+    Method {
+        /// The folder.
+        path: PathBuf,
+        /// What it is of.
+        found: &'static str,
+        /// What it would have to be of.
+        needed: &'static str,
+    },
     /// The run folder already holds a run.
     #[error("{path}: already holds a run. Choose another folder, or continue it with --resume", path = path.display())]
     Exists {

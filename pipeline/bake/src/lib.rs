@@ -36,6 +36,8 @@
 //! # }
 //! ```
 //!
+//! [`bake_scene_transfer`] bakes a transfer in place of nets, in one go (`transfer/`).
+//!
 //! Stages read and write files of the run folder and nothing else, so that each can be run alone, and
 //! an interrupted bake continues where it stopped.
 
@@ -48,6 +50,7 @@ mod plan;
 mod policy;
 mod run;
 pub mod settings;
+mod transfer;
 mod verify;
 
 pub use bake::{BakeOutcome, bake};
@@ -68,6 +71,10 @@ pub use plan::task::{Task, TaskKind};
 pub use plan::timings::Timings;
 pub use policy::held_out::is_held_out;
 pub use run::folder::Run;
+pub use run::method::RunMethod;
 pub use run::rounds::Progress;
 pub use settings::{BakeConfig, Preset, Settings};
+pub use transfer::{
+    TransferBakeConfig, TransferOutcome, TransferRun, TransferSummary, bake_scene_transfer,
+};
 pub use verify::{Damage, Verification, verify};

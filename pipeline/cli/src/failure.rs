@@ -10,6 +10,7 @@ use rrf_render::RenderError;
 use rrf_scene::SceneError;
 use rrf_store::StoreError;
 use rrf_trace::TraceError;
+use rrf_transfer::TransferError;
 use rrf_view::ViewError;
 use std::error::Error;
 
@@ -43,6 +44,7 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
             || is(cause, |_: &TraceError| true)
             || is(cause, |_: &ExtractError| true)
             || is(cause, |_: &FieldError| true)
+            || is(cause, |_: &TransferError| true)
             || is(cause, |_: &MetricsError| true)
             || is(cause, ViewError::is_bad_input)
             || is(cause, ExportError::is_bad_input)

@@ -21,6 +21,7 @@ mod run_location;
 mod scene_file;
 mod stats;
 mod table_lights;
+mod transfer_rows;
 mod trust;
 
 use clap::Parser;

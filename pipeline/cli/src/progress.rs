@@ -76,6 +76,10 @@ impl Watch for Bars {
         self.with(|current| *current = bar(self.quiet, total, what));
     }
 
+    fn begin_stage(&self, name: &'static str, total: u64) {
+        self.with(|current| *current = bar(self.quiet, total, name));
+    }
+
     fn advance(&self, steps: u64) {
         self.with(|current| current.inc(steps));
     }

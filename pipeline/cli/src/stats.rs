@@ -92,7 +92,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Processor time of this process so far, on all threads.
 #[cfg(unix)]
-fn processor_time() -> Duration {
+pub fn processor_time() -> Duration {
     let mut time = libc::timespec {
         tv_sec: 0,
         tv_nsec: 0,
@@ -109,6 +109,6 @@ fn processor_time() -> Duration {
 }
 
 #[cfg(not(unix))]
-fn processor_time() -> Duration {
+pub fn processor_time() -> Duration {
     Duration::ZERO
 }

@@ -25,6 +25,11 @@ pub struct LitRows {
 }
 
 impl LitRows {
+    /// Name of the light.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// Whether the scene's own light shines, so that it is traced with its lamps in it.
     pub fn is_own(&self) -> bool {
         self.name != POINT && self.name != SUN

@@ -77,6 +77,11 @@ impl<'a> LightBook<'a> {
         })
     }
 
+    /// The model.
+    pub fn model(&self) -> &'a TransferModel {
+        self.model
+    }
+
     /// The sum of lights: sources, and the lamps of a scene where it is given.
     ///
     /// # Errors

@@ -25,4 +25,4 @@ mod traced;
 
 pub use error::ViewError;
 pub use server::{Server, Stopper};
-pub use show::Show;
+pub use show::{Show, ShownModel};

@@ -5,15 +5,25 @@ use rrf_field::Field;
 use rrf_render::{Renderer, Surroundings, Trusted, View};
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
+use rrf_transfer::LightBook;
 use serde_json::{Value, json};
+
+/// What answers for a scene's indirect light.
+#[derive(Clone, Copy)]
+pub enum ShownModel<'a> {
+    /// Nets that see point lights.
+    Nets(&'a Field),
+    /// A transfer, which keeps the lights that it knows: one that moves is asked for alone.
+    Transfer(&'a LightBook<'a>),
+}
 
 /// A baked scene to look at.
 pub struct Show<'a> {
     /// The scene as baked, without its own lights, and the boxes that it was baked for.
     pub surroundings: Surroundings<'a>,
-    /// The nets.
-    pub field: &'a Field,
-    /// Which rows the nets were trained for.
+    /// What answers for its indirect light.
+    pub model: ShownModel<'a>,
+    /// Which rows nets were trained for.
     pub trusted: &'a Trusted<'a>,
     /// The view that a page starts with.
     pub view: View,
@@ -31,7 +41,10 @@ impl<'a> Show<'a> {
 
     /// A renderer for one viewer.
     pub fn renderer(&self) -> Renderer<'a> {
-        Renderer::new(self.tracer(), self.field)
+        match self.model {
+            ShownModel::Nets(field) => Renderer::new(self.tracer(), field),
+            ShownModel::Transfer(book) => Renderer::of_transfer(self.tracer(), book),
+        }
     }
 
     /// Facts that a page needs before its first question.
@@ -51,7 +64,10 @@ impl<'a> Show<'a> {
             "lights": self.lights.iter().map(light).collect::<Vec<_>>(),
             "light_box": self.surroundings.light_box.map(|corner| corner.to_array()),
             "bounds": [low, high],
-            "cells": self.field.models().len(),
+            "cells": match self.model {
+                ShownModel::Nets(field) => field.models().len(),
+                ShownModel::Transfer(book) => book.model().cells.len(),
+            },
             "triangles": scene.triangles.len(),
         })
     }

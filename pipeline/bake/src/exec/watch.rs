@@ -9,6 +9,8 @@ use std::time::Duration;
 pub trait Watch: Sync {
     /// A stage of `total` steps begins.
     fn begin(&self, _kind: TaskKind, _round: u32, _total: u64) {}
+    /// A stage of `total` steps of another bake than that of nets begins.
+    fn begin_stage(&self, _name: &'static str, _total: u64) {}
     /// More steps are done.
     fn advance(&self, _steps: u64) {}
     /// The stage is over.

@@ -3,7 +3,8 @@
 use crate::error::BakeError;
 use crate::policy::tasks::RunInputs;
 use crate::run::json::corrupt;
-use crate::run::manifest::{expect_same, manifest};
+use crate::run::manifest::{expect_same, expect_scene, manifest, to_value};
+use crate::run::method::RunMethod;
 use crate::settings::BakeConfig;
 use rrf_scene::Scene;
 use rrf_store::layout::round_folder;
@@ -55,7 +56,8 @@ impl Run {
             });
         }
         let found = Run::open(folder)?;
-        expect_same(folder, (&found.manifest, &found.config), &run.manifest)?;
+        let settings = to_value(&found.config)?;
+        expect_same(folder, (&found.manifest, &settings), &run.manifest)?;
         Ok(Run {
             lock: run.lock,
             ..found
@@ -93,9 +95,16 @@ impl Run {
     /// Opens an existing run to read it, or to do one of its tasks: any number of processes may.
     ///
     /// # Errors
-    /// [`BakeError::Store`].
+    /// [`BakeError::Store`]; [`BakeError::Method`] where it is no run of nets.
     pub fn open(folder: &Path) -> Result<Run, BakeError> {
         let manifest = RunManifest::read(folder)?;
+        if RunMethod::told(&manifest) == RunMethod::Transfer {
+            return Err(BakeError::Method {
+                path: folder.into(),
+                found: "a transfer",
+                needed: "nets",
+            });
+        }
         let config = serde_json::from_value(manifest.config.clone())
             .map_err(|error| corrupt(&RunManifest::path(folder), error))?;
         Ok(Run {
@@ -112,15 +121,7 @@ impl Run {
     /// [`BakeError::Scene`], [`BakeError::OtherRun`].
     pub fn load_scene(&self) -> Result<Scene, BakeError> {
         let scene = rrf_scene::load(&self.manifest.scene, &self.config.load_options())?;
-        let asked = scene.hash_hex();
-        if asked != self.manifest.scene_hash {
-            return Err(BakeError::OtherRun {
-                path: self.folder.clone(),
-                what: "scene: the file has changed since the bake",
-                found: self.manifest.scene_hash.clone(),
-                asked,
-            });
-        }
+        expect_scene(&self.folder, &self.manifest, &scene)?;
         Ok(scene)
     }
 

@@ -13,33 +13,70 @@ use std::path::Path;
 pub(crate) fn manifest(scene: &Scene, config: &BakeConfig) -> Result<RunManifest, BakeError> {
     let light_box = config.extract.light_box;
     let (low, high) = (light_box.minimum, light_box.maximum);
+    let light_box = [low[0], low[1], low[2], high[0], high[1], high[2]];
+    Ok(asked_manifest(
+        scene,
+        config.extract.seed,
+        light_box,
+        to_value(config)?,
+    ))
+}
+
+/// The manifest of a bake with this configuration.
+pub(crate) fn asked_manifest(
+    scene: &Scene,
+    seed: u64,
+    light_box: [f32; 6],
+    config: Value,
+) -> RunManifest {
     let source = std::path::absolute(&scene.source).unwrap_or_else(|_| scene.source.clone());
-    Ok(RunManifest {
+    RunManifest {
         format: FORMAT,
         created_by: format!("rrf {}", env!("CARGO_PKG_VERSION")),
         scene: source,
         scene_hash: scene.hash_hex(),
-        seed: config.extract.seed,
-        light_box: [low[0], low[1], low[2], high[0], high[1], high[2]],
-        config: to_value(config)?,
+        seed,
+        light_box,
+        config,
+    }
+}
+
+/// Checks that a scene is the one that a run was baked of.
+///
+/// # Errors
+/// [`BakeError::OtherRun`].
+pub(crate) fn expect_scene(
+    folder: &Path,
+    manifest: &RunManifest,
+    scene: &Scene,
+) -> Result<(), BakeError> {
+    let asked = scene.hash_hex();
+    if asked == manifest.scene_hash {
+        return Ok(());
+    }
+    Err(BakeError::OtherRun {
+        path: folder.into(),
+        what: "scene: the file has changed since the bake",
+        found: manifest.scene_hash.clone(),
+        asked,
     })
 }
 
-fn to_value(config: &BakeConfig) -> Result<Value, BakeError> {
+/// A configuration as it stands in a manifest.
+pub(crate) fn to_value(config: &BakeConfig) -> Result<Value, BakeError> {
     Ok(serde_json::to_value(config).map_err(|error| corrupt(Path::new("run.json"), error))?)
 }
 
-/// Checks that the run in a folder was started with the scene and settings of another manifest.
+/// Checks that the run in a folder was started with the scene and settings of another manifest; `config`
+/// are its settings as parsed, so that those that are younger than the run have their defaults.
 ///
 /// # Errors
 /// [`BakeError::OtherRun`] naming the first difference.
 pub(crate) fn expect_same(
     folder: &Path,
-    (found, config): (&RunManifest, &BakeConfig),
+    (found, config): (&RunManifest, &Value),
     asked: &RunManifest,
 ) -> Result<(), BakeError> {
-    // as parsed: settings that are younger than the run have their defaults
-    let config = to_value(config)?;
     // another program has other task hashes, and may draw other rows
     let pairs = [
         (
@@ -51,8 +88,8 @@ pub(crate) fn expect_same(
         ("seed", found.seed.to_string(), asked.seed.to_string()),
         (
             "configuration",
-            differing(&config, &asked.config),
-            differing(&asked.config, &config),
+            differing(config, &asked.config),
+            differing(&asked.config, config),
         ),
     ];
     match pairs.into_iter().find(|(_, found, asked)| found != asked) {

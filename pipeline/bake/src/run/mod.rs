@@ -2,7 +2,8 @@
 
 pub(crate) mod folder;
 pub(crate) mod json;
-mod manifest;
+pub(crate) mod manifest;
+pub(crate) mod method;
 mod renew;
 pub(crate) mod rounds;
 pub(crate) mod samples;

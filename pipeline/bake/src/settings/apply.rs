@@ -16,6 +16,10 @@ impl Settings {
     /// [`BakeError::Setting`] for options that contradict each other or the scene,
     /// [`BakeError::Extract`] for a scene without surfaces.
     pub fn config(&self, scene: &Scene) -> Result<BakeConfig, BakeError> {
+        if self.method == Method::Transfer {
+            let reason = "a transfer is baked in one go, by `rrf bake`";
+            return Err(wrong("--method transfer", reason.into()));
+        }
         let light_box = match self.light_box {
             Some(light_box) => light_box,
             None => middle(scene)?,

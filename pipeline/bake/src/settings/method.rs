@@ -7,6 +7,8 @@ use clap::ValueEnum;
 pub enum Method {
     /// Nets with exponential outputs.
     Nets,
+    /// A direct-to-indirect transfer: one bake for lights of every kind, anywhere in free space.
+    Transfer,
     /// Nets whose outputs are the radiance itself, as in Ren et al. 2013
     LinearOutputs,
     /// Linear regression on the same inputs.

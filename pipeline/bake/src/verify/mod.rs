@@ -7,6 +7,7 @@ mod found;
 mod model;
 mod rounds;
 mod samples;
+mod transfer;
 
 pub use found::Damage;
 
@@ -50,6 +51,7 @@ pub fn verify(folder: &Path) -> Result<Verification, BakeError> {
         .extend([manifest.clone(), folder.join(LOCK_FILE)]);
     match Run::open(folder) {
         Err(BakeError::Store(missing @ StoreError::NotARun { .. })) => return Err(missing.into()),
+        Err(BakeError::Method { .. }) => transfer::check(folder, &mut found)?,
         Err(error) => found.damage(
             &manifest,
             text(&error),

@@ -17,6 +17,9 @@ pub struct BakeArgs {
     /// Continue an interrupted run; finished work is kept.
     #[arg(long)]
     pub resume: bool,
+    /// Print the result as JSON.
+    #[arg(long)]
+    pub json: bool,
     /// Limits of time and memory.
     #[command(flatten)]
     pub bounds: Bounds,

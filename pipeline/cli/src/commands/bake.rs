@@ -1,24 +1,37 @@
 //! `rrf bake`, `rrf extract`, `rrf train`.
 
+use super::transfer;
 use crate::args::{BakeArgs, ExtractArgs, TrainArgs, TrainMode};
 use crate::progress::Bars;
 use crate::run_location::RunLocation;
 use crate::scene_file;
-use rrf_bake::{BakeConfig, BakeError, Evaluation, Next, Run, SamplingContext, Settings};
+use crate::stats::processor_time;
+use rrf_bake::settings::Method;
+use rrf_bake::{
+    BakeConfig, BakeError, BakeOutcome, Evaluation, Next, Run, SamplingContext, Settings,
+};
 use rrf_extract::{Census, Region};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
+use serde_json::json;
 use std::time::Instant;
 
 /// Bakes a scene.
 pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
+    if args.settings.method == Method::Transfer {
+        return transfer::bake(args, quiet);
+    }
     let start = Instant::now();
     let scene = scene_file::load(&args.scene, &args.settings.scene)?;
     let config = config(&args.settings, &scene)?;
     let location = RunLocation::whole(&args.output)?;
     let folder = location.folder().to_path_buf();
-    let watch = Bars::new(quiet, &args.bounds)?.keeping(location);
+    let watch = Bars::new(quiet || args.json, &args.bounds)?.keeping(location);
     let ended = rrf_bake::bake(&scene, &config, &folder, args.resume, &watch)?;
+    if args.json {
+        tell(args, &ended, config.target, start.elapsed().as_secs_f64());
+        return Ok(());
+    }
     print_census(&ended.census);
     print_evaluation(&ended.evaluation, config.target);
     println!(
@@ -29,6 +42,22 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
         args.output.display()
     );
     Ok(())
+}
+
+fn tell(args: &BakeArgs, ended: &BakeOutcome, target: f32, seconds: f64) {
+    let (error, se) = ended.evaluation.error();
+    let told = json!({
+        "run": args.output.display().to_string(),
+        "method": "nets",
+        "target": target,
+        "rounds": ended.rounds,
+        "relative_error": error,
+        "relative_error_se": se,
+        "cells": ended.evaluation.cells.len(),
+        "processor_seconds": processor_time().as_secs_f64(),
+        "seconds": seconds,
+    });
+    println!("{told:#}");
 }
 
 /// Loads, plans and extracts.

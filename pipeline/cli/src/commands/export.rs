@@ -5,8 +5,8 @@ use crate::failure::BadInput;
 use crate::run_location::RunLocation;
 use crate::scene_file;
 use clap::Args;
-use rrf_bake::Run;
 use rrf_bake::settings::SceneOptions;
+use rrf_bake::{Run, RunMethod, TransferRun};
 use rrf_scene::{Camera, Scene};
 use rrf_store::model;
 use std::path::{Path, PathBuf};
@@ -43,29 +43,29 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
         rrf_store::atomic::create_folder(folder)?;
     }
     let location = RunLocation::model(&args.input)?;
-    let run = location
-        .folder()
-        .is_dir()
-        .then(|| Run::open(location.folder()));
-    let run = run.transpose()?;
-    if let Some(folder) = &args.mitsuba {
-        let scene = match &run {
-            Some(run) => run.load_scene()?,
+    let (folder, input) = (location.folder(), args.input.display());
+    let method = folder.is_dir().then(|| RunMethod::of(folder)).transpose()?;
+    if let Some(target) = &args.mitsuba {
+        let scene = match method {
+            Some(RunMethod::Nets) => Run::open(folder)?.load_scene()?,
+            Some(RunMethod::Transfer) => TransferRun::open(folder)?.load_scene()?,
             None => scene_file::load(&args.input, &args.scene_options)?,
         };
-        mitsuba(args, &scene, folder)?;
+        mitsuba(args, &scene, target)?;
     }
-    if args.safetensors.is_some() || args.onnx.is_some() {
-        let Some(run) = &run else {
-            return Err(BadInput(format!(
-                "{}: is a scene, which has no nets; name a run folder",
-                args.input.display()
-            ))
-            .into());
-        };
-        nets(args, run)?;
+    if args.safetensors.is_none() && args.onnx.is_none() {
+        return Ok(());
     }
-    Ok(())
+    let told = match method {
+        Some(RunMethod::Nets) => return nets(args, &Run::open(folder)?),
+        Some(RunMethod::Transfer) => format!(
+            "{input}: is a transfer, whose nets need a light before they are a function of a point: \
+             there is no export of it yet. Its tables in model/ are plain Arrow files; schemas/ \
+             describes them"
+        ),
+        None => format!("{input}: is a scene, which has no nets; name a run folder"),
+    };
+    Err(BadInput(told).into())
 }
 
 fn mitsuba(args: &ExportArgs, scene: &Scene, folder: &Path) -> anyhow::Result<()> {

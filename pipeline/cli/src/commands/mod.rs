@@ -11,6 +11,7 @@ mod render;
 mod scene;
 mod tasks;
 mod trace;
+mod transfer;
 mod verify;
 mod view;
 

@@ -1,12 +1,15 @@
 //! `rrf query`: the model at the rows of a points table.
 
+use super::render::NO_BLEND;
 use crate::args::TrustArgs;
-use crate::baked::Baked;
+use crate::baked::{Baked, BakedNets, ReadyModel};
+use crate::failure::BadInput;
 use crate::points;
+use crate::transfer_rows::{self, RowAnswers};
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
 use clap::Args;
 use rrf_extract::{PointClass, VisibilityQueries};
-use rrf_field::columns;
+use rrf_field::columns::{self, Columns};
 use rrf_scene::Scene;
 use rrf_store::Limits;
 use rrf_store::points::{PointsTable, check_ending, read_points, write_points};
@@ -40,19 +43,23 @@ pub struct QueryArgs {
 pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     check_ending(&args.output)?;
     let baked = Baked::open(&args.run, args.trust.trust_error)?;
-    let (scene, field) = (&baked.unlit, &baked.field);
+    let scene = &baked.unlit;
     let tracer = Tracer::new(scene)?;
     let table = read_points(&args.points, Limits::default())?;
     let located = points::locate(&tracer, &table, &args.points)?;
-    let rows = points::rows(&tracer, &table, &located);
-    let trusted = baked.trusted(&rows);
-    let mut radiance: [Vec<f32>; 3] = Default::default();
-    let mut cells = Vec::new();
-    if args.blend {
-        (baked.borders).evaluate(field, &rows, &mut radiance, &mut cells)?;
-    } else {
-        field.evaluate(&rows, &mut radiance, &mut cells)?;
-    }
+    let RowAnswers {
+        mut radiance,
+        cells,
+        trusted,
+    } = match baked.ready(&tracer)? {
+        ReadyModel::Nets(nets) => {
+            by_nets(args, &baked, nets, &points::rows(&tracer, &table, &located))?
+        }
+        ReadyModel::Transfer(_) if args.blend => return Err(BadInput(NO_BLEND.into()).into()),
+        ReadyModel::Transfer(book) => {
+            transfer_rows::answer(&book, &baked, &tracer, (&table, &located), &args.points)?
+        }
+    };
     darken_sealed(scene, &tracer, &located, &table, &mut radiance);
     let [r, g, b] = radiance.map(|channel| Arc::new(Float32Array::from(channel)) as ArrayRef);
     let untrusted = trusted.iter().filter(|&&t| !t).count();
@@ -63,16 +70,37 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
         ("cell_id", Arc::new(UInt32Array::from(cells)) as ArrayRef),
         ("trusted", Arc::new(BooleanArray::from(trusted)) as ArrayRef),
     ]);
-    let manifest = &baked.run.manifest;
+    let manifest = &baked.manifest;
     let facts = points::facts(&manifest.scene_hash, manifest.seed);
     write_points(&args.output, &table.batch, Table::Answers, added, &facts)?;
     println!(
         "{} rows, {untrusted} of them not trusted: outside what the model was trained on, or in a cell with an \
          error above {:.1} %",
-        rows.len(),
+        located.len(),
         100.0 * args.trust.trust_error
     );
     Ok(())
+}
+
+/// Answers of nets, for points of 1 W/sr.
+fn by_nets(
+    args: &QueryArgs,
+    baked: &Baked,
+    nets: &BakedNets,
+    rows: &Columns,
+) -> anyhow::Result<RowAnswers> {
+    let mut radiance: [Vec<f32>; 3] = Default::default();
+    let mut cells = Vec::new();
+    if args.blend {
+        (nets.borders).evaluate(&nets.field, rows, &mut radiance, &mut cells)?;
+    } else {
+        nets.field.evaluate(rows, &mut radiance, &mut cells)?;
+    }
+    Ok(RowAnswers {
+        radiance,
+        cells,
+        trusted: baked.trusted(rows),
+    })
 }
 
 /// A point sealed inside a solid, or with an empty hemisphere, receives no light from outside:

@@ -25,6 +25,9 @@ use std::path::PathBuf;
 const SIZE: [u32; 2] = [512, 512];
 /// Longer side in pixels of the frame that tells the exposure.
 const SMALL: u32 = 48;
+/// Why a transfer's cells are not blended.
+pub(super) const NO_BLEND: &str =
+    "--blend: is for runs of nets; cells of a transfer are not blended";
 /// Different warnings that are said in full.
 const MOST_WARNINGS: usize = 10;
 
@@ -119,13 +122,21 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         Some(_) => return Err(BadInput("--path writes one folder; give -o once".into()).into()),
     }
     let mut baked = Baked::open(&args.run, args.trust.trust_error)?;
+    if args.blend && baked.nets().is_none() {
+        return Err(BadInput(NO_BLEND.into()).into());
+    }
     baked.scene = args.view.camera.relit(&baked.scene)?.into_owned();
     let shots = shots(args, &baked)?;
     crate::memory::check_frame(shots[0].view.width, shots[0].view.height)?;
     let lights = &shots[0].lights;
-    let tracer = Tracer::new(baked.shown(lights))?;
+    let unlit = Tracer::new(&baked.unlit)?;
+    let whole = baked
+        .has_area_lights(lights)
+        .then(|| Tracer::new(&baked.scene));
+    let whole = whole.transpose()?;
+    let tracer = whole.as_ref().unwrap_or(&unlit);
     let area_lights = baked.area_lights(lights)?;
-    warn(args, &baked, &tracer, &shots)?;
+    warn(args, &baked, tracer, &shots)?;
     let mut film = match &args.path {
         Some(_) => Some(Film::new(
             &args.output[0],
@@ -143,9 +154,13 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         noise: None,
         // asks again for every row: not where time is measured
         trusted: (film.is_none() && args.json_stats.is_none()).then_some(&trusted),
-        borders: args.blend.then_some(&baked.borders),
+        borders: baked
+            .nets()
+            .filter(|_| args.blend)
+            .map(|nets| &nets.borders),
     };
-    let renderer = Renderer::new(&tracer, &baked.field);
+    let model = baked.ready(&unlit)?;
+    let renderer = model.renderer(tracer);
     options.noise = noise(args, &renderer, &shots[0], &options)?;
     let (mut frame, mut clock) = (Frame::default(), Clock::default());
     for shot in &shots {
@@ -169,9 +184,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         let options = PathOptions {
             spp: args.fallback_spp,
             aa: args.view.aa,
-            seed: baked.run.manifest.seed,
+            seed: baked.manifest.seed,
         };
-        let traced = trace_untrusted(&tracer, view, lights, &mut frame, options)?;
+        let traced = trace_untrusted(tracer, view, lights, &mut frame, options)?;
         println!("{traced} pixels were path-traced, because their nets are not trusted");
     }
     if args.show_trust {
@@ -230,6 +245,9 @@ fn warn(args: &RenderArgs, baked: &Baked, tracer: &Tracer, shots: &[Shot]) -> Re
     }
     if more > 0 {
         eprintln!("warning: {more} more warnings like these");
+    }
+    if baked.nets().is_none() {
+        return Ok(());
     }
     let sources = shots.iter().flat_map(|shot| &shot.lights.sources);
     let names: BTreeSet<&str> = sources.map(|light| light.name.as_str()).collect();

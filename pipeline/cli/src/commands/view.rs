@@ -1,16 +1,16 @@
 //! `rrf view`: the baked scene as a live picture in a browser.
 
 use crate::args::{CameraArgs, TrustArgs};
-use crate::baked::Baked;
+use crate::baked::{Baked, ReadyModel};
 use anyhow::Context;
 use clap::Args;
 use glam::Vec3;
 use rrf_extract::VisibilityQueries;
 use rrf_metrics::tone::Exposure;
-use rrf_render::{Lights, Surroundings, View};
+use rrf_render::{Frame, Lights, Renderer, Surroundings, View};
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
-use rrf_view::{Server, Show};
+use rrf_view::{Server, Show, ShownModel};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::path::PathBuf;
@@ -38,6 +38,7 @@ pub struct ViewPageArgs {
 pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
     let baked = Baked::open(&args.run, args.trust.trust_error)?;
     let tracer = Tracer::new(&baked.unlit)?;
+    let ready = baked.ready(&tracer)?;
     let mut start = args.camera.view(&baked.scene)?;
     if args.camera.size.is_none() {
         fit(&mut start);
@@ -46,7 +47,7 @@ pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
     let asked = args.camera.scene_lights || !args.camera.light.is_empty();
     let lights = match asked {
         true => args.camera.lights(&baked.scene)?.points,
-        false => vec![first_light(&baked, &tracer, &start)?],
+        false => vec![first_light(&baked, &ready.renderer(&tracer), &start)?],
     };
     let show = Show {
         surroundings: Surroundings {
@@ -55,7 +56,10 @@ pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
             light_box: baked.light_box(),
             eye_box: baked.eye_box(),
         },
-        field: &baked.field,
+        model: match &ready {
+            ReadyModel::Nets(nets) => ShownModel::Nets(&nets.field),
+            ReadyModel::Transfer(book) => ShownModel::Transfer(book),
+        },
         trusted: &|rows| baked.trusted(rows),
         view: start,
         lights,
@@ -101,7 +105,7 @@ fn fit(view: &mut View) {
 }
 
 /// A white light in the middle of the baked box, as strong as shows the view at 0 stops.
-fn first_light(baked: &Baked, tracer: &Tracer, view: &View) -> anyhow::Result<PointLight> {
+fn first_light(baked: &Baked, renderer: &Renderer, view: &View) -> anyhow::Result<PointLight> {
     let [low, high] = baked.light_box();
     let mut light = PointLight {
         position: 0.5 * (low + high),
@@ -118,7 +122,8 @@ fn first_light(baked: &Baked, tracer: &Tracer, view: &View) -> anyhow::Result<Po
         ..Lights::default()
     };
     let options = rrf_render::RenderOptions::default();
-    let frame = rrf_render::render(tracer, &baked.field, &small, &lights, &options)?;
+    let mut frame = Frame::default();
+    renderer.render(&small, &lights, &options, &mut frame)?;
     light.intensity *= Exposure::automatic(&frame.picture()).ev.exp2();
     Ok(light)
 }

@@ -1,4 +1,5 @@
-//! The model's three tables: `model/tree.arrow`, `weights.arrow` and `metrics.arrow`.
+//! The model's three tables: `model/tree.arrow`, `weights.arrow` and `metrics.arrow`; the four of a
+//! transfer in their place.
 //!
 //! Uncompressed Arrow IPC files, so that any Arrow reader opens them without this program.
 //! Scene hash, seed and the hash of the run are in their schema metadata. What is read back is checked as a whole:
@@ -8,12 +9,17 @@ mod fit;
 mod metrics;
 mod of_run;
 mod steps;
+mod transfer;
 mod tree;
 mod weights;
 
 pub use fit::{Fit, fit_task, read_fit, write_fit};
 pub use metrics::{CellMetrics, Seams, Spread};
 pub use steps::{FitStep, read_steps, write_steps};
+pub use transfer::{
+    TRANSFER_TABLES, TransferCellRow, TransferNodeRow, TransferPartRow, TransferRow,
+    TransferTables, model_table_path, read_transfer, transfer_fault, write_transfer,
+};
 pub use tree::ModelTree;
 
 use crate::atomic::create_folder;

@@ -53,4 +53,12 @@ tables! {
     Results = "results",
     /// The course of a fit, `rounds/000/fits/cell=000000/steps.arrow`.
     Steps = "steps",
+    /// A transfer as a whole, `model/transfer.arrow`.
+    Transfer = "transfer",
+    /// A transfer's trees over surfaces, `model/transfer_tree.arrow`.
+    TransferTree = "transfer_tree",
+    /// Its cells, `model/transfer_cells.arrow`.
+    TransferCells = "transfer_cells",
+    /// Their parts, `model/transfer_parts.arrow`.
+    TransferParts = "transfer_parts",
 }

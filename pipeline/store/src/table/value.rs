@@ -3,7 +3,7 @@
 use arrow::array::{Array, ArrayRef, AsArray, BooleanArray, ListBuilder, PrimitiveArray};
 use arrow::array::{PrimitiveBuilder, StringArray, StringBuilder};
 use arrow::datatypes::{DataType, Field};
-use arrow::datatypes::{Float32Type, Float64Type, Int8Type, UInt32Type, UInt64Type};
+use arrow::datatypes::{Float32Type, Float64Type, Int8Type, Int32Type, UInt32Type, UInt64Type};
 use std::sync::Arc;
 
 /// A value of one column.
@@ -53,6 +53,7 @@ macro_rules! numbers {
 
 numbers! {
     i8: Int8Type,
+    i32: Int32Type,
     u32: UInt32Type,
     u64: UInt64Type,
     f32: Float32Type,

@@ -1,0 +1,114 @@
+//! The whole bake of a transfer.
+
+use super::config::TransferBakeConfig;
+use super::ensemble::{conditions, light_stream};
+use super::read::is_damage;
+use super::run::TransferRun;
+use super::space::FreeSpace;
+use super::summary::TransferSummary;
+use super::tables::tables;
+use crate::error::{BakeError, Halt};
+use crate::exec::watch::Watch;
+use rrf_scene::Scene;
+use rrf_store::layout::remove_unfinished;
+use rrf_store::model::write_transfer;
+use rrf_trace::Tracer;
+use rrf_transfer::{
+    DirectLight, FlatMirrors, TransferError, TransferModel, TransferStage, TransferWatch,
+    bake_transfer, named_light,
+};
+use std::path::Path;
+
+/// The result of a transfer's bake.
+#[derive(Clone, Copy, Debug)]
+pub struct TransferOutcome {
+    /// The model in a few numbers.
+    pub summary: TransferSummary,
+    /// Whether the run was finished before, so that nothing was done.
+    pub was_finished: bool,
+}
+
+/// Bakes a scene's transfer into a run folder. It works in memory: an interrupted bake begins anew
+/// when it is resumed, a finished one is left as it is, and one whose tables are damaged is made
+/// again, with the same bytes.
+///
+/// # Errors
+/// [`BakeError`] of any step; [`BakeError::Halted`] where the watch stops it.
+pub fn bake_scene_transfer(
+    scene: &Scene,
+    config: &TransferBakeConfig,
+    folder: &Path,
+    resume: bool,
+    watch: &dyn Watch,
+) -> Result<TransferOutcome, BakeError> {
+    let unlit = scene.unlit();
+    let run = TransferRun::create(folder, scene, config, resume)?;
+    match run.model(&unlit) {
+        Ok((model, lights)) => {
+            return Ok(TransferOutcome {
+                summary: TransferSummary::new(&model, lights, config.target),
+                was_finished: true,
+            });
+        }
+        Err(error) if is_damage(&error) => {}
+        Err(error) => return Err(error),
+    }
+    watch.sync().map_err(BakeError::Sync)?;
+    let (model, lights) = make(scene, &unlit, config, watch)?;
+    remove_unfinished(folder)?;
+    write_transfer(folder, &tables(&model, lights), &run.facts())?;
+    watch.sync().map_err(BakeError::Sync)?;
+    Ok(TransferOutcome {
+        summary: TransferSummary::new(&model, lights, config.target),
+        was_finished: false,
+    })
+}
+
+/// The model, and how many lights it was fitted to.
+pub(super) fn make(
+    scene: &Scene,
+    unlit: &Scene,
+    config: &TransferBakeConfig,
+    watch: &dyn Watch,
+) -> Result<(TransferModel, u32), BakeError> {
+    let tracer = Tracer::new(unlit)?;
+    let space = FreeSpace::new(unlit, &tracer, config.eye_box, config.seed)?;
+    let conditions = conditions(unlit, &tracer, &space, config)?;
+    let stream = light_stream(config.seed);
+    let names = scene.own_light_names();
+    let own = names.iter();
+    let own = own.filter_map(|name| named_light(scene, name, stream.part(3)));
+    let drawn = conditions.lights(stream.part(4)).into_iter();
+    let drawn = drawn.map(|group| Box::new(group) as Box<dyn DirectLight>);
+    let mirrors = FlatMirrors::new(&tracer);
+    let lights: Vec<_> = drawn.chain(own).map(|light| mirrors.of(light)).collect();
+    let lights: Vec<&dyn DirectLight> = lights.iter().map(|l| l as &dyn DirectLight).collect();
+    let observer = Observer(watch);
+    let model = bake_transfer(&tracer, &space, &lights, &config.plan(), &observer);
+    watch.end();
+    let model = model.map_err(|error| match (error, watch.halted()) {
+        (TransferError::Halted, why) => BakeError::Halted {
+            why: why.unwrap_or(Halt::Interrupt),
+        },
+        (error, _) => BakeError::Transfer(error),
+    })?;
+    Ok((model, lights.len() as u32))
+}
+
+/// Passes on what a bake says of itself.
+struct Observer<'a>(&'a dyn Watch);
+
+impl TransferWatch for Observer<'_> {
+    fn halted(&self) -> bool {
+        self.0.halted().is_some()
+    }
+
+    fn begin(&self, stage: TransferStage, total: u64) {
+        self.0.end();
+        self.0.begin_stage(stage.name(), total);
+    }
+
+    fn advance(&self, steps: u64) {
+        self.0.advance(steps);
+    }
+}

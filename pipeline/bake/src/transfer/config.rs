@@ -1,0 +1,208 @@
+//! What the settings mean for a transfer.
+
+use crate::error::BakeError;
+use crate::settings::{Preset, Settings};
+use rrf_extract::{ExtractError, Region};
+use rrf_scene::{LightUnits, LoadOptions, Scene, SkyOption};
+use rrf_transfer::TransferConfig;
+use serde::{Deserialize, Serialize};
+
+/// Says in `run.json` that a run is a transfer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Told {
+    /// A transfer.
+    Transfer,
+}
+
+/// The settings of a transfer's bake, recorded in `run.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TransferBakeConfig {
+    pub(crate) method: Told,
+    /// The preset that the others started from.
+    pub preset: Preset,
+    /// Relative error to reach.
+    pub target: f32,
+    /// Reflectance of surfaces without a material.
+    pub default_albedo: f32,
+    /// Unit of glTF light intensities.
+    pub light_units: LightUnits,
+    /// Sky of a scene whose file has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sky: Option<SkyOption>,
+    /// Box in which movable lights are expected.
+    pub light_box: Option<Region>,
+    /// Box that eyes may be in.
+    pub eye_box: Option<Region>,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Patches of the surface.
+    pub patches: usize,
+    /// Rows that are traced before any cell errs.
+    pub rows: usize,
+    /// Paths of a row.
+    pub paths: u32,
+    /// Further rounds of rows at most.
+    pub rounds: u32,
+    /// Hidden units of nets.
+    pub units: usize,
+    /// Point lights of the ensemble.
+    pub points: usize,
+    /// Suns of the ensemble.
+    pub suns: usize,
+    /// Smooth skies of the ensemble.
+    pub skies: usize,
+}
+
+impl TransferBakeConfig {
+    /// A preset's settings.
+    pub fn preset(preset: Preset, seed: u64) -> TransferBakeConfig {
+        let plain = TransferConfig::default();
+        let (patches, rows, paths, rounds, lights) = match preset {
+            Preset::Preview => (500, 6_000, 128, 0, [100, 32, 8]),
+            Preset::Standard => (
+                plain.patches.count,
+                plain.rows,
+                plain.paths.paths,
+                1,
+                [200, 64, 16],
+            ),
+            Preset::Fine => (8_000, 120_000, 256, 3, [300, 96, 24]),
+        };
+        let [points, suns, skies] = lights;
+        TransferBakeConfig {
+            method: Told::Transfer,
+            preset,
+            target: 0.05,
+            default_albedo: 0.7,
+            light_units: LightUnits::Spec,
+            sky: None,
+            light_box: None,
+            eye_box: None,
+            seed,
+            patches,
+            rows,
+            paths,
+            rounds,
+            units: plain.net.units,
+            points,
+            suns,
+            skies,
+        }
+    }
+
+    /// What the transfer's own bake is told.
+    pub(crate) fn plan(&self) -> TransferConfig {
+        let mut plan = TransferConfig {
+            seed: self.seed,
+            rows: self.rows,
+            rounds: self.rounds,
+            target: self.target,
+            ..TransferConfig::default()
+        };
+        plan.patches.count = self.patches;
+        plan.paths.paths = self.paths;
+        plan.net.units = self.units;
+        plan.pilot_rows = plan.pilot_rows.min(self.rows);
+        plan
+    }
+
+    /// The options that the scene file is read with.
+    pub fn load_options(&self) -> LoadOptions {
+        LoadOptions {
+            default_albedo: self.default_albedo,
+            light_units: self.light_units,
+            sky: self.sky.clone(),
+        }
+    }
+}
+
+impl Settings {
+    /// What the settings mean for a transfer of a scene.
+    ///
+    /// # Errors
+    /// [`BakeError::Setting`] for options that a transfer has no use for,
+    /// [`BakeError::Extract`] for a box outside of the scene or a scene without surfaces.
+    pub fn transfer_config(&self, scene: &Scene) -> Result<TransferBakeConfig, BakeError> {
+        let mut config = TransferBakeConfig::preset(self.preset, self.seed);
+        config.target = self.target;
+        config.default_albedo = self.scene.default_albedo;
+        config.light_units = self.scene.light_units;
+        config.sky = self.scene.sky_option();
+        config.light_box = self.light_box;
+        config.eye_box = self.eye_box;
+        config.rows = self.rows.map_or(config.rows, |rows| rows as usize);
+        config.paths = self.paths.unwrap_or(config.paths);
+        if !config.paths.is_multiple_of(2) {
+            return Err(wrong(
+                "--paths",
+                "has to be even: rows are kept as two halves",
+            ));
+        }
+        config.rounds = self.rounds.map_or(config.rounds, |rounds| rounds - 1);
+        config.units = match self.hidden.as_ref().map(|hidden| hidden.0.as_slice()) {
+            None => config.units,
+            Some(&[units]) => units,
+            Some(_) => {
+                return Err(wrong(
+                    "--hidden",
+                    "nets of a transfer have one hidden layer: give one number",
+                ));
+            }
+        };
+        let cells = "a transfer cuts as many cells as its rows fill";
+        refuse("--cells", self.cells.is_some(), cells)?;
+        refuse("--most-cells", self.most_cells.is_some(), cells)?;
+        let inputs = "nets of a transfer see position, normal and viewer, and no light";
+        refuse("--inputs", self.inputs.is_some(), inputs)?;
+        let trim = "nets of a transfer keep their size";
+        refuse("--no-trim", !self.trim, trim)?;
+        let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
+        for (what, of) in [("light", self.light_box), ("eye", self.eye_box)] {
+            if let Some(region) = of {
+                check_box(what, &region, bounds.min, bounds.max)?;
+            }
+        }
+        Ok(config)
+    }
+}
+
+/// Refuses a box without a place in it, or without one in the scene.
+fn check_box(
+    what: &'static str,
+    region: &Region,
+    low: [f32; 3],
+    high: [f32; 3],
+) -> Result<(), ExtractError> {
+    let meets = |i: usize| region.minimum[i] <= high[i] && region.maximum[i] >= low[i];
+    let ordered = (0..3).all(|i| region.minimum[i] <= region.maximum[i]);
+    if ordered && (0..3).all(meets) {
+        return Ok(());
+    }
+    let scene = Region {
+        minimum: low,
+        maximum: high,
+    };
+    Err(ExtractError::Box {
+        what,
+        bounds: *region,
+        message: match ordered {
+            true => format!("lies outside of the scene, {scene}"),
+            false => "its first corner has to be the smaller one".into(),
+        },
+    })
+}
+
+fn refuse(option: &str, is_given: bool, reason: &str) -> Result<(), BakeError> {
+    match is_given {
+        true => Err(wrong(option, reason)),
+        false => Ok(()),
+    }
+}
+
+fn wrong(option: &str, reason: &str) -> BakeError {
+    BakeError::Setting {
+        option: format!("{option} with --method transfer"),
+        reason: reason.into(),
+    }
+}

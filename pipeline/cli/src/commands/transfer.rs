@@ -1,0 +1,109 @@
+//! `rrf bake --method transfer`.
+
+use crate::args::BakeArgs;
+use crate::failure::BadInput;
+use crate::progress::Bars;
+use crate::run_location::RunLocation;
+use crate::scene_file;
+use crate::stats::processor_time;
+use rrf_bake::{TransferOutcome, TransferSummary};
+use rrf_store::model::{TRANSFER_TABLES, model_table_path};
+use serde_json::json;
+use std::path::Path;
+use std::time::Instant;
+
+/// What a bake cost.
+struct Cost {
+    seconds: f64,
+    processor: f64,
+    bytes: u64,
+}
+
+/// Bakes a scene's transfer.
+pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let scene = scene_file::load(&args.scene, &args.settings.scene)?;
+    let config = args.settings.transfer_config(&scene)?;
+    if args.bounds.memory.is_some() {
+        let told = "--memory with --method transfer: its rows are held in memory batch by batch, \
+                    whatever the limit; use fewer --rows, or --method nets";
+        return Err(BadInput(told.into()).into());
+    }
+    let location = RunLocation::whole(&args.output)?;
+    let folder = location.folder().to_path_buf();
+    let watch = Bars::new(quiet, &args.bounds)?.keeping(location);
+    let outcome = rrf_bake::bake_scene_transfer(&scene, &config, &folder, args.resume, &watch)?;
+    let cost = Cost {
+        seconds: start.elapsed().as_secs_f64(),
+        processor: processor_time().as_secs_f64(),
+        bytes: bytes(&folder)?,
+    };
+    match args.json {
+        true => tell(args, &outcome, &cost, config.target),
+        false => print(args, &outcome, &cost, config.target),
+    }
+    Ok(())
+}
+
+/// Bytes of the model's tables.
+fn bytes(folder: &Path) -> anyhow::Result<u64> {
+    let mut sum = 0;
+    for table in TRANSFER_TABLES {
+        sum += std::fs::metadata(model_table_path(folder, table))?.len();
+    }
+    Ok(sum)
+}
+
+fn tell(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) {
+    let told = json!({
+        "run": args.output.display().to_string(),
+        "method": "transfer",
+        "target": target,
+        "was_finished": outcome.was_finished,
+        "model": outcome.summary,
+        "model_bytes": cost.bytes,
+        "processor_seconds": cost.processor,
+        "seconds": cost.seconds,
+    });
+    println!("{told:#}");
+}
+
+fn print(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) {
+    let TransferSummary {
+        relative_error,
+        relative_error_se,
+        judged,
+        rows,
+        cells,
+        nets,
+        missing,
+        patches,
+        columns,
+        lights,
+    } = outcome.summary;
+    println!(
+        "{patches} patches, {columns} columns; {rows} rows under {lights} lights; {cells} cells, {nets} of them nets"
+    );
+    println!(
+        "relative error: {:.2} % ± {:.2} % (target {:.2} %) on {judged} rows and the lights that no cell \
+         was fitted to; {missing} of {cells} cells miss the target",
+        100.0 * relative_error,
+        100.0 * relative_error_se,
+        100.0 * target,
+    );
+    println!(
+        "  relative error: {}, Monte Carlo noise removed",
+        rrf_metrics::relative::FORMULA
+    );
+    let done = match outcome.was_finished {
+        true => "finished before",
+        false => "baked",
+    };
+    println!(
+        "{done}: model of {:.2} MB, {:.1} CPU seconds, {:.1} s: {}",
+        cost.bytes as f64 / 1e6,
+        cost.processor,
+        cost.seconds,
+        args.output.display()
+    );
+}
