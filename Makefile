@@ -2,6 +2,7 @@
 # make check  what has to hold before a commit: format, lints, unit tests, structure, docs
 # make test   everything that has to hold: Rust and Python
 # make notebooks   the notebooks, executed on a small run
+# make blender   the Blender extension as out/rrf-blender.zip
 # make docs   the pages of docs/ as a web site in out/book
 
 OUT ?= out/demo
@@ -12,9 +13,10 @@ RRF = $(or $(CARGO_TARGET_DIR),target)/release/rrf
 VENV = .venv
 NOTEBOOKS = .venv-notebooks
 ENGINES = .venv-engines
+BLENDER = .venv-blender
 
 .PHONY: demo check test setup test-setup build report rust-tests python-tests run-tests engine-tests \
-	notebook-tests python notebooks engines docs clean
+	blender-tests blender notebook-tests python notebooks engines docs clean
 
 setup:
 	@sh tests/setup.sh
@@ -47,7 +49,7 @@ check: setup
 	cargo test --release --locked --workspace --lib --quiet
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --workspace --no-deps --quiet
 
-test: test-setup check rust-tests python-tests run-tests engine-tests notebook-tests
+test: test-setup check rust-tests python-tests run-tests engine-tests blender-tests notebook-tests
 
 # cargo test builds the programs and the examples that the Python checks call
 rust-tests: check
@@ -71,6 +73,22 @@ run-tests: rust-tests python
 
 engine-tests: rust-tests engines
 	$(PROGRAM) $(ENGINES)/bin/python tests/engines/ray_cluster.py
+
+# the extension within Blender itself, without a window
+blender-tests: rust-tests $(BLENDER)/installed
+	cd tests/blender && $(PROGRAM) $(abspath $(BLENDER))/bin/python -m pytest -q
+
+$(BLENDER)/installed: tests/blender/requirements.txt
+	python3 -m venv $(BLENDER)
+	$(BLENDER)/bin/python -m pip install --quiet --requirement tests/blender/requirements.txt
+	@touch $@
+
+# the extension as a file for Blender's preferences
+blender: out/rrf-blender.zip
+
+out/rrf-blender.zip: $(wildcard pipeline/blender/rrf/*.py pipeline/blender/rrf/*.toml)
+	@mkdir -p out
+	cd pipeline/blender/rrf && python3 -m zipfile -c $(abspath $@) *.py *.toml
 
 python: $(VENV)/installed
 
@@ -120,4 +138,4 @@ $(MDBOOK):
 	cargo install mdbook --version 0.5.4 --locked --no-default-features --features search --root out/tools
 
 clean:
-	rm -rf out $(VENV) $(NOTEBOOKS) $(ENGINES)
+	rm -rf out $(VENV) $(NOTEBOOKS) $(ENGINES) $(BLENDER)

@@ -10,10 +10,13 @@ for tool in cargo python3 cc; do
 done
 
 missing=""
-# `setup.sh test` also wants the browser in which the page of `rrf view` is tested
-browser=""
-[ "${1:-}" = test ] && ! command -v chromium >/dev/null 2>&1 && browser=chromium
-for package in libopenblas-dev pkg-config $browser; do
+# `setup.sh test` also wants the browser in which the page of `rrf view` is tested, and what Blender's module loads
+tested=""
+if [ "${1:-}" = test ]; then
+    tested="libgl1 libice6 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1"
+    command -v chromium >/dev/null 2>&1 || tested="$tested chromium"
+fi
+for package in libopenblas-dev pkg-config $tested; do
     if ! dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed'; then
         missing="$missing $package"
     fi
