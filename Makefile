@@ -1,4 +1,4 @@
-# make demo   build, bake the Cornell box, render and compare: see README.md
+# make demo   build, bake a furnished room, render and compare: see README.md
 # make check  what has to hold before a commit: format, lints, unit tests, structure, docs
 # make test   everything that has to hold: Rust and Python
 # make notebooks   the notebooks, executed on a small run
@@ -6,9 +6,8 @@
 # make docs   the pages of docs/ as a web site in out/book
 
 OUT ?= out/demo
-SCENE = scenes/cornell-box/scene.pbrt
-LIGHT_BOX = -0.6,1.3,-0.6,0.6,1.8,0.6
-LIGHT = 0.1,1.6,0.2,4,4,4
+SALON = scenes/salon/salon.glb
+SKY = scenes/salon/sky.exr
 RRF = $(or $(CARGO_TARGET_DIR),target)/release/rrf
 VENV = .venv
 NOTEBOOKS = .venv-notebooks
@@ -31,14 +30,16 @@ build: setup
 report: setup
 	cargo build --release --locked -p rrf -p rrf-report
 
-demo: build
+# cloud stores are a part of the build that the demo does not need
+demo: setup
+	cargo build --release --locked --no-default-features
 	@rm -rf $(OUT)
 	@mkdir -p $(OUT)
-	$(RRF) bake $(SCENE) -o $(OUT)/run --light-box $(LIGHT_BOX)
-	$(RRF) render $(OUT)/run --light $(LIGHT) --size 512x512 -o $(OUT)/model.exr -o $(OUT)/model.png
-	$(RRF) trace $(SCENE) --light $(LIGHT) --size 512x512 --spp 256 -o $(OUT)/traced.exr -o $(OUT)/traced.png
+	$(RRF) bake $(SALON) --sky $(SKY) --method transfer --preset preview -o $(OUT)/run
+	$(RRF) render $(OUT)/run -o $(OUT)/model.exr -o $(OUT)/model.png
+	$(RRF) trace $(SALON) --sky $(SKY) --spp 64 -o $(OUT)/traced.exr -o $(OUT)/traced.png
 	$(RRF) compare $(OUT)/model.exr $(OUT)/traced.exr
-	@echo "The pictures: $(OUT)/model.png (baked nets) and $(OUT)/traced.png (path traced);"
+	@echo "The pictures: $(OUT)/model.png (baked) and $(OUT)/traced.png (path traced);"
 	@echo "the same as EXR with the layers direct, indirect and cell beside them."
 
 # minutes when warm: what a change can break without a bake

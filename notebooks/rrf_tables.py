@@ -24,10 +24,10 @@ RGB = ("r", "g", "b")
 
 
 def demo() -> pathlib.Path:
-    """The folder that `make demo` leaves: run/, model.exr, traced.exr. RRF_DEMO names another."""
-    folder = pathlib.Path(os.environ.get("RRF_DEMO", ROOT / "out/demo"))
+    """The folder that `make notebooks` leaves: run/, model.exr, traced.exr. RRF_DEMO names another."""
+    folder = pathlib.Path(os.environ.get("RRF_DEMO", ROOT / "out/notebooks"))
     if not (folder / "run/run.json").is_file():
-        raise FileNotFoundError(f"{folder}: no run; `make demo` or `make notebooks` makes one")
+        raise FileNotFoundError(f"{folder}: no run; `make notebooks` makes one")
     return folder
 
 

@@ -45,6 +45,10 @@ impl Remote {
             reason,
         };
         let url = Url::parse(address).map_err(|e| bad(e.to_string()))?;
+        if cfg!(not(feature = "clouds")) && url.scheme() != "file" {
+            let reason = "this build has no cloud stores; `make build` makes one that has";
+            return Err(bad(reason.into()));
+        }
         let options = std::env::vars().map(|(name, value)| (name.to_ascii_lowercase(), value));
         let (store, folder) =
             object_store::parse_url_opts(&url, options).map_err(|e| bad(e.to_string()))?;
