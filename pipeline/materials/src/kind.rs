@@ -2,7 +2,7 @@
 
 use crate::math::pick;
 use crate::slot::{Slot, Storage, own_numbers};
-use crate::{Lane, Lane3, TILE};
+use crate::{Lane, Lane3, Parts, TILE};
 use glam::Vec3;
 use std::fmt;
 
@@ -28,6 +28,8 @@ pub struct MaterialKind {
     pub is_black: fn(&Bsdf) -> bool,
     /// Its microfacet lobe, if it has one: flat surfaces with a narrow lobe are mirrors.
     pub lobe: fn(&Bsdf) -> Option<Lobe>,
+    /// The parts that it has with these parameters.
+    pub parts: fn(&Bsdf) -> Parts,
     /// Value for (n, v, l).
     pub eval: fn(&Bsdf, Vec3, Vec3, Vec3) -> Vec3,
     /// Density of `sample` for (n, v, l).
@@ -91,6 +93,8 @@ pub struct Bsdf {
     pub specular: f32,
     /// Further numbers, whose places the kind's slots name.
     pub own: [f32; OWN],
+    /// The parts that value, density and sampler take; [`Parts::ALL`] unless taken apart.
+    pub parts: Parts,
 }
 
 /// A sampled direction.
@@ -100,9 +104,15 @@ pub struct Scatter {
     pub l: Vec3,
     /// f cos(theta_l) / pdf; zero when nothing is scattered there.
     pub weight: Vec3,
-    /// Density of `l` with respect to solid angle.
+    /// Density of `l` with respect to solid angle; [`CERTAIN`] for a direction that sharp reflection
+    /// or refraction leaves no choice of.
     pub pdf: f32,
 }
+
+/// Stands for the unbounded density of a direction without a choice: in the balance heuristic it
+/// outweighs every other density to the last digit. Such lobes have no value and no density where
+/// they are asked for a given direction.
+pub const CERTAIN: f32 = 1e30;
 
 impl Bsdf {
     /// f(v, l) cos(theta_l) [1/sr].
@@ -141,6 +151,7 @@ pub struct MaterialLanes {
     metallic: Lane,
     specular: Lane,
     own: [Lane; OWN],
+    parts: [Parts; TILE],
     /// One bit for each kind that a lane has been given since [`MaterialLanes::clear`].
     present: u32,
 }
@@ -188,6 +199,7 @@ impl MaterialLanes {
         metallic: [0.0; TILE],
         specular: [0.0; TILE],
         own: [[0.0; TILE]; OWN],
+        parts: [Parts::ALL; TILE],
         present: 0,
     };
 
@@ -205,6 +217,7 @@ impl MaterialLanes {
         self.roughness[i] = bsdf.roughness;
         self.metallic[i] = bsdf.metallic;
         self.specular[i] = bsdf.specular;
+        self.parts[i] = bsdf.parts;
         let own = bsdf.own.iter().take(own_numbers(bsdf.kind.slots));
         for (lane, &number) in self.own.iter_mut().zip(own) {
             lane[i] = number;
@@ -226,6 +239,7 @@ impl MaterialLanes {
             metallic: self.metallic[i],
             specular: self.specular[i],
             own,
+            parts: self.parts[i],
         }
     }
 

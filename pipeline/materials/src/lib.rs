@@ -21,6 +21,9 @@
 //! assert_eq!(scattered.weight, value / bsdf.pdf(normal, viewer, scattered.l));
 //! ```
 //!
+//! [`Bsdf::broad`] and [`Bsdf::narrow`] take a material apart into what nets answer for and what is
+//! followed along the ray.
+//!
 //! To add a kind: a file in `kinds/` after the model of `kinds/principled.rs`, and its lines in
 //! `kinds/mod.rs`.
 
@@ -34,15 +37,18 @@ mod kinds;
 mod lanes;
 mod material;
 pub mod math;
+mod parts;
 mod shade;
 mod slot;
+mod split;
 mod texture;
 
 pub use frame::ShadingFrame;
 pub use ggx::{visible_normal, visible_normal_pdf};
-pub use kind::{Bsdf, Lobe, MaterialKind, MaterialLanes, Scatter, Scattered};
+pub use kind::{Bsdf, CERTAIN, Lobe, MaterialKind, MaterialLanes, Scatter, Scattered};
 pub use kinds::{KINDS, LAMBERT, PRINCIPLED, cosine_hemisphere, cosine_hemisphere_pdf};
 pub use lanes::{Lane, Lane3, TILE};
 pub use material::{INVALID, Material, Parameter, SlotValue};
+pub use parts::{BROAD_ROUGHNESS, Parts};
 pub use slot::{Slot, Storage};
 pub use texture::Texture;

@@ -1,7 +1,7 @@
 //! A material as a scene has it: parameters and the textures that multiply them.
 
 use crate::kind::OWN;
-use crate::{Bsdf, MaterialKind, Slot, Storage, Texture};
+use crate::{Bsdf, MaterialKind, Parts, Slot, Storage, Texture};
 use glam::{Vec2, Vec3};
 
 /// "No such thing" in a column of ids.
@@ -119,6 +119,7 @@ impl Bsdf {
             metallic: material.metallic,
             specular: material.specular,
             own: [0.0; OWN],
+            parts: Parts::ALL,
         };
         for (parameter, [first, end]) in own(material) {
             let numbers = parameter.value.to_array();

@@ -310,6 +310,40 @@ fn light_may_run_both_ways() {
     }
 }
 
+/// Broad and narrow part sum to the whole, and each has its own sampler.
+#[test]
+fn parts_sum_to_the_whole() {
+    let stream = Stream::new(8, Stage::Test, 0);
+    let mirror = principled(Vec3::splat(0.9), 0.05, 1.0, 0.5);
+    let coat = principled(Vec3::new(0.7, 0.3, 0.1), 0.2, 0.0, 0.5);
+    let rough = principled(Vec3::new(0.7, 0.3, 0.1), 0.3, 0.5, 0.5);
+    assert!(mirror.is_narrow() && mirror.broad().is_none());
+    assert!(!coat.is_narrow() && coat.narrow().is_some() && coat.broad().is_some());
+    assert!(rough.narrow().is_none() && lambert(Vec3::ONE).narrow().is_none());
+    for bsdf in [mirror, coat, rough, lambert(Vec3::ONE)] {
+        for i in 0..2_000 {
+            let (a, b) = (stream.units(i, 0, 0), stream.units(i, 0, 1));
+            let v = direction(0.05 + 0.95 * a[0], a[1]);
+            let l = bsdf.sample(Vec3::Z, v, [a[2], a[3], b[0]]).l;
+            let parts = [bsdf.broad(), bsdf.narrow()];
+            let parts = parts.into_iter().flatten();
+            let sum: Vec3 = parts.map(|part| part.eval(Vec3::Z, v, l)).sum();
+            let whole = bsdf.eval(Vec3::Z, v, l);
+            let error = (sum - whole).abs().max_element();
+            assert!(
+                error <= 1e-6 * whole.max_element(),
+                "{bsdf:?}: {sum} {whole}"
+            );
+        }
+    }
+    for part in [coat.broad(), coat.narrow()].into_iter().flatten() {
+        let v = direction(0.6, 0.1);
+        let pdf = |l| f64::from(part.pdf(Vec3::Z, v, l));
+        let sample = |u| part.sample(Vec3::Z, v, u).l;
+        assert_sampler(&format!("{:?}", part.parts), &sample, &pdf, 2);
+    }
+}
+
 #[test]
 fn nothing_is_scattered_through_the_surface() {
     let above = direction(0.5, 0.2);

@@ -3,7 +3,8 @@
 use crate::kind::{OWN, scatter_lanes};
 use crate::math::{pick, sin_cos_turn};
 use crate::{
-    Bsdf, INVALID, Material, MaterialKind, MaterialLanes, Scatter, ShadingFrame, Slot, Storage,
+    Bsdf, INVALID, Material, MaterialKind, MaterialLanes, Parts, Scatter, ShadingFrame, Slot,
+    Storage,
 };
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -17,6 +18,7 @@ pub static LAMBERT: MaterialKind = MaterialKind {
     depends_on_viewer: false,
     is_black: |bsdf| bsdf.base_color == Vec3::ZERO,
     lobe: |_| None,
+    parts: |_| Parts::BROAD,
     eval,
     pdf,
     sample,
@@ -53,6 +55,7 @@ impl Bsdf {
         metallic: 0.0,
         specular: 0.0,
         own: [0.0; OWN],
+        parts: Parts::ALL,
     };
 }
 

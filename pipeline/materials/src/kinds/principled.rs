@@ -11,7 +11,7 @@ use crate::fresnel::{dielectric, index_of_refraction, schlick};
 use crate::ggx::{Half, alpha, ggx, smith, visible_normal, visible_normal_density};
 use crate::kind::scatter_lanes;
 use crate::math::pick;
-use crate::{Bsdf, Lobe, Material, MaterialKind, Scatter, ShadingFrame, Slot, Storage};
+use crate::{Bsdf, Lobe, Material, MaterialKind, Parts, Scatter, ShadingFrame, Slot, Storage};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -34,6 +34,15 @@ pub static PRINCIPLED: MaterialKind = MaterialKind {
             alpha: alpha(bsdf.roughness),
             reflectance: metal + 0.08 * bsdf.specular * (1.0 - bsdf.metallic),
         })
+    },
+    parts: |bsdf| {
+        let diffuse = luminance(bsdf.base_color) * (1.0 - bsdf.metallic) > 0.0;
+        let specular = Parts::of_lobe(alpha(bsdf.roughness));
+        if diffuse {
+            specular | Parts::BROAD
+        } else {
+            specular
+        }
     },
     eval,
     pdf,
@@ -78,7 +87,8 @@ fn eval(bsdf: &Bsdf, n: Vec3, v: Vec3, l: Vec3) -> Vec3 {
     let fresnel = Vec3::splat((1.0 - bsdf.metallic) * glass) + metal * bsdf.metallic;
     let specular = ggx(&half, alpha) * smith(cos_v, alpha) * smith(cos_l, alpha) / (4.0 * cos_v);
     let diffuse = (1.0 - bsdf.metallic) * burley(bsdf.roughness, cos_v, cos_l, half.cos_d) * cos_l;
-    let value = fresnel * specular + bsdf.base_color * diffuse;
+    let (lobe, broad) = (bsdf.parts.lobe(alpha), bsdf.parts.broad());
+    let value = fresnel * specular * lobe + bsdf.base_color * diffuse * broad;
     pick((cos_v > 0.0) & (cos_l > 0.0), value, Vec3::ZERO)
 }
 
@@ -126,7 +136,8 @@ fn specular_probability(bsdf: &Bsdf, cos_v: f32) -> f32 {
     let glass = dielectric(cos_v, index_of_refraction(bsdf.specular)).max(CHOICE_MIN);
     let metal = base + (1.0 - base) * schlick(cos_v);
     let specular = (1.0 - bsdf.metallic) * glass + bsdf.metallic * metal.max(CHOICE_MIN);
-    specular / (specular + (1.0 - bsdf.metallic) * base)
+    let specular = specular * bsdf.parts.lobe(alpha(bsdf.roughness));
+    specular / (specular + (1.0 - bsdf.metallic) * base * bsdf.parts.broad())
 }
 
 /// Burley's diffuse lobe without its colour (2012 course notes, section 5.3).

@@ -1,0 +1,38 @@
+//! The broad and the narrow part of a material.
+//!
+//! Nets answer for lobes that are broad. What is narrower is followed along the ray: mirrors,
+//! glass, and metals and coats that are nearly smooth. [`Bsdf::broad`] and [`Bsdf::narrow`] are
+//! materials of their own with value, density and sampler, and the two values sum to the whole.
+
+use crate::{Bsdf, Parts};
+
+impl Bsdf {
+    /// The part that nets can answer for, as a material of its own; `None` if there is none.
+    pub fn broad(&self) -> Option<Bsdf> {
+        self.only(Parts::BROAD)
+    }
+
+    /// The part that has to be followed along the ray, as a material of its own; `None` if there
+    /// is none.
+    pub fn narrow(&self) -> Option<Bsdf> {
+        self.only(Parts::NARROW)
+    }
+
+    /// Whether it has nothing but a narrow part.
+    pub fn is_narrow(&self) -> bool {
+        let has = self.has();
+        has.has(Parts::NARROW) && !has.has(Parts::BROAD)
+    }
+
+    /// The parts that it has.
+    fn has(&self) -> Parts {
+        (self.kind.parts)(self).and(self.parts)
+    }
+
+    fn only(&self, part: Parts) -> Option<Bsdf> {
+        self.has().has(part).then_some(Bsdf {
+            parts: part,
+            ..*self
+        })
+    }
+}
