@@ -148,7 +148,10 @@ impl<'a> TableLight<'a> {
                 stream,
                 first as u64,
             ),
-            Shining::Sun => sun_light(tracer, queries, sampling, stream, first as u64),
+            Shining::Sun => {
+                let how = (self.estimator, sampling);
+                sun_light(tracer, queries, how, stream, first as u64)
+            }
             Shining::Own(lights) => {
                 let illumination = Illumination {
                     lights,

@@ -5,6 +5,7 @@
 //! (Ren et al. 2013, eq. 2): the light that reaches p straight from l is left out.
 
 use crate::TraceError;
+use crate::bidirectional;
 use crate::estimates::{Estimates, Sampling, same_length};
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
@@ -23,7 +24,7 @@ pub struct Queries<'a> {
     pub lights: &'a [Vec3],
 }
 
-/// How a point light's paths are made. Both ways are unbiased.
+/// How paths to lights are made. All ways are unbiased.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Estimator {
     /// Next-event estimation at every vertex, connections to a point that the light's own
@@ -32,6 +33,10 @@ pub enum Estimator {
     /// surfaces and caustics of flat surfaces do no harm.
     #[default]
     Connected,
+    /// Light subpaths of up to three vertices, joined to the paths in every way, and points of flat
+    /// glossy surfaces that show them a light of any kind: for caustics of all shapes, lamps
+    /// beside surfaces, and light that comes in by a second reflection. Dearer a path.
+    Bidirectional,
     /// Next-event estimation alone, as most path tracers do it: 1 / distance^2 makes the
     /// variance of lights near surfaces unbounded, and the standard error too small where the
     /// peak was missed.
@@ -68,7 +73,7 @@ pub fn indirect_with(
     let part = Part {
         tracer,
         source: Source::Point {
-            connect: estimator == Estimator::Connected,
+            connect: estimator != Estimator::NextEvent,
         },
         direct: false,
         keep: KEEP,
@@ -77,8 +82,19 @@ pub fn indirect_with(
     let rows = queries.rows(sampling.replicates, first_index);
     Ok(Estimates {
         replicates: sampling.replicates as usize,
-        values: estimate(&part, &rows, each),
+        values: estimator.estimate(&part, &rows, each),
     })
+}
+
+impl Estimator {
+    /// Mean of `each` paths at every row.
+    pub(crate) fn estimate(self, part: &Part, rows: &[Row], each: usize) -> Vec<Vec3> {
+        match self {
+            // one reflection has one vertex: there is nothing to join
+            Estimator::Bidirectional if !part.direct => bidirectional::estimate(part, rows, each),
+            _ => estimate(part, rows, each),
+        }
+    }
 }
 
 impl Queries<'_> {

@@ -63,6 +63,9 @@ impl LightSet {
     }
 }
 
+/// The largest number that a choice takes.
+const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;
+
 /// Lights that are chosen by their power.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightGroup {
@@ -103,11 +106,33 @@ impl LightGroup {
         self.sources.get(index as usize)
     }
 
+    /// Those that a ray can meet, with the probability of their choice.
+    pub(crate) fn visible(&self) -> &[(u32, f32)] {
+        &self.visible
+    }
+
+    /// Probability of [`LightGroup::choose`] to choose a light.
+    pub(crate) fn probability(&self, index: u32) -> f32 {
+        by_weight_probability(&self.cdf, index as usize) as f32
+    }
+
     /// A light by a number in [0, 1): which one, and the probability.
     pub(crate) fn choose(&self, u: f32) -> (u32, f32) {
         let index = by_weight(&self.cdf, u);
         let probability = by_weight_probability(&self.cdf, index) as f32;
         (index as u32, probability)
+    }
+
+    /// A light by a number in [0, 1): which one, and the number's place among those that choose it,
+    /// again in [0, 1).
+    pub(crate) fn choose_within(&self, u: f32) -> (u32, f32) {
+        let (index, probability) = self.choose(u);
+        let before = match index.checked_sub(1).and_then(|k| self.cdf.get(k as usize)) {
+            Some(before) => before / self.cdf.last().copied().unwrap_or(1.0),
+            None => 0.0,
+        };
+        let within = (f64::from(u) - before) / f64::from(probability);
+        (index, (within as f32).clamp(0.0, BELOW_ONE))
     }
 
     /// Light that arrives at `at` from one of them, by three numbers in [0, 1): its irradiance is

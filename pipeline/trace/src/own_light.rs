@@ -6,7 +6,7 @@ use crate::indirect::{Estimator, Queries};
 use crate::light_set::LightSet;
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
-use crate::wave::{KEEP, Part, Row, Source, estimate};
+use crate::wave::{KEEP, Part, Row, Source};
 use glam::Vec3;
 use rrf_lights::{AreaLight, LightSource};
 use rrf_sampling::Stream;
@@ -27,8 +27,9 @@ pub struct Illumination<'a> {
     pub lights: &'a LightSet,
     /// Which part of their light.
     pub reflections: Reflections,
-    /// How paths to points of light are made; all others are found by next-event estimation and
-    /// by the path's own directions, weighted by the balance heuristic.
+    /// How paths to points of light are made; but for [`Estimator::Bidirectional`], all others are
+    /// found by next-event estimation and by the path's own directions, weighted by the balance
+    /// heuristic.
     pub estimator: Estimator,
 }
 
@@ -94,13 +95,14 @@ pub fn own_light(
         tracer,
         source: Source::Set {
             set: illumination.lights,
-            connect: !direct && illumination.estimator == Estimator::Connected,
+            connect: !direct && illumination.estimator != Estimator::NextEvent,
         },
         direct,
         keep: KEEP,
         stream,
     };
-    traced(&part, queries, sampling, first_index)
+    let how = (illumination.estimator, sampling);
+    traced(&part, queries, how, first_index)
 }
 
 /// Estimates the light of the scene's emitting triangles alone: [`own_light`] without any other.
@@ -135,7 +137,7 @@ pub fn lamp_light(
 pub fn sun_light(
     tracer: &Tracer,
     queries: Queries,
-    sampling: Sampling,
+    (estimator, sampling): (Estimator, Sampling),
     stream: Stream,
     first_index: u64,
 ) -> Result<Estimates, TraceError> {
@@ -146,13 +148,13 @@ pub fn sun_light(
         keep: KEEP,
         stream,
     };
-    traced(&part, queries, sampling, first_index)
+    traced(&part, queries, (estimator, sampling), first_index)
 }
 
 fn traced(
     part: &Part,
     queries: Queries,
-    sampling: Sampling,
+    (estimator, sampling): (Estimator, Sampling),
     first_index: u64,
 ) -> Result<Estimates, TraceError> {
     queries.check()?;
@@ -161,7 +163,7 @@ fn traced(
     let values = if part.source.is_dark() {
         vec![Vec3::ZERO; rows.len()]
     } else {
-        estimate(part, &rows, each)
+        estimator.estimate(part, &rows, each)
     };
     Ok(Estimates {
         replicates: sampling.replicates as usize,

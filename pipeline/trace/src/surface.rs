@@ -29,6 +29,52 @@ pub(crate) struct Vertex {
     pub(crate) bsdf: Bsdf,
 }
 
+/// A surface point before it is known where it is seen from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Site {
+    pub(crate) position: Vec3,
+    /// Geometric normal, on the outer side.
+    pub(crate) outward: Vec3,
+    /// Shading normal on the outer side; zero where it is the geometric one.
+    bent: Vec3,
+    pub(crate) lift: f32,
+    pub(crate) bsdf: Bsdf,
+}
+
+impl Site {
+    /// Both normals turned to the side of `v`.
+    #[inline(always)]
+    pub(crate) fn seen_from(&self, v: Vec3) -> Vertex {
+        let back = self.outward.dot(v) < 0.0;
+        let geometric = if back { -self.outward } else { self.outward };
+        let mut shading = geometric;
+        if self.bent != Vec3::ZERO {
+            let turned = if self.bent.dot(geometric) < 0.0 {
+                -self.bent
+            } else {
+                self.bent
+            };
+            if turned.dot(v) > 0.0 {
+                shading = turned;
+            }
+        }
+        Vertex {
+            position: self.position,
+            geometric,
+            shading,
+            lift: self.lift,
+            bsdf: self.bsdf,
+        }
+    }
+
+    /// Where rays start that leave to the side of `v`.
+    #[inline]
+    pub(crate) fn origin(&self, v: Vec3) -> Vec3 {
+        let back = self.outward.dot(v) < 0.0;
+        self.position + self.outward * if back { -self.lift } else { self.lift }
+    }
+}
+
 impl Vertex {
     /// Black, nowhere.
     pub(crate) const NONE: Vertex = Vertex {
@@ -87,26 +133,22 @@ impl Tracer<'_> {
     /// All that shading needs of a point seen from `v`.
     #[inline(always)]
     pub(crate) fn vertex(&self, triangle: u32, barycentrics: [f32; 2], v: Vec3) -> Vertex {
+        self.site(triangle, barycentrics).seen_from(v)
+    }
+
+    /// All that shading needs of a point, wherever it is seen from.
+    #[inline(always)]
+    pub(crate) fn site(&self, triangle: u32, barycentrics: [f32; 2]) -> Site {
         let facet = &self.facets[triangle as usize];
-        let back = facet.normal.dot(v) < 0.0;
-        let geometric = if back { -facet.normal } else { facet.normal };
-        let mut shading = geometric;
-        if facet.smooth {
-            let bent = self.bent_normal(triangle, barycentrics);
-            let turned = if bent.dot(geometric) < 0.0 {
-                -bent
-            } else {
-                bent
-            };
-            if turned.dot(v) > 0.0 {
-                shading = turned;
-            }
-        }
         let constants = self.materials[facet.material as usize];
-        Vertex {
+        Site {
             position: facet.position(barycentrics),
-            geometric,
-            shading,
+            outward: facet.normal,
+            bent: if facet.smooth {
+                self.bent_normal(triangle, barycentrics)
+            } else {
+                Vec3::ZERO
+            },
             lift: facet.lift,
             bsdf: if facet.textured {
                 self.textured(triangle, barycentrics, constants)

@@ -37,6 +37,8 @@ pub struct Tracer<'s> {
     pub(crate) lamps: LightSet,
     /// Its flat glossy surfaces.
     pub(crate) mirrors: Mirrors,
+    /// Corners of the box about its triangles.
+    pub(crate) bounds: [Vec3; 2],
 }
 
 impl<'s> Tracer<'s> {
@@ -62,10 +64,16 @@ impl<'s> Tracer<'s> {
             return Err(TraceError::NoTriangles);
         }
         let bvh = build(&corners);
+        let all = corners.as_flattened();
+        let bounds = [
+            all.iter().copied().fold(Vec3::INFINITY, Vec3::min),
+            all.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max),
+        ];
         Ok(Tracer {
             scene,
             wide: Wide::new(&bvh, &corners, &kept),
             bvh,
+            bounds,
             kept,
             mirrors: Mirrors::new(scene, &facets, &areas),
             facets,

@@ -55,8 +55,8 @@ pub struct TraceArgs {
 pub enum Estimator {
     /// Next-event estimation alone: the textbook estimator, the same as other path tracers'.
     NextEvent,
-    /// Connections to the light's first hits too: less noise, above all for lights near
-    /// surfaces, and the light of mirrors.
+    /// Paths from the lights too, joined to those from the points: less noise, above all for lights near
+    /// surfaces, and the light of mirrors and metals.
     Connected,
 }
 
@@ -167,7 +167,7 @@ impl Answers {
     ) -> anyhow::Result<()> {
         let estimator = match args.estimator {
             Estimator::NextEvent => rrf_trace::Estimator::NextEvent,
-            Estimator::Connected => rrf_trace::Estimator::Connected,
+            Estimator::Connected => rrf_trace::Estimator::Bidirectional,
         };
         let sampling = Sampling {
             paths: args.spp,

@@ -48,6 +48,7 @@ impl Mirrors {
             }
         }
         mirrors.frames = Frames::new(&mirrors.mirrors);
+        mirrors.find_balls(scene, facets, areas);
         mirrors
     }
 }
@@ -91,16 +92,19 @@ fn is_flat(scene: &Scene, id: usize, normal: Vec3, alpha: f32) -> bool {
         .any(|&v| bent(scene.normals[v as usize]))
 }
 
-/// The lobe of a triangle that may be part of a mirror.
+/// The lobe of a triangle that may be part of a flat mirror.
 fn strength(scene: &Scene, id: usize, facet: &Facet) -> Option<Lobe> {
+    let lobe = even_lobe(scene, facet)?;
+    is_flat(scene, id, facet.normal, lobe.alpha).then_some(lobe)
+}
+
+/// The lobe of a triangle, if it is narrow and the same all over.
+pub(super) fn even_lobe(scene: &Scene, facet: &Facet) -> Option<Lobe> {
     let material = &scene.materials[facet.material as usize];
     let lobe = (material.kind.lobe)(&Bsdf::of(material))?;
     let even = material.roughness_metallic_texture == INVALID && material.normal_texture == INVALID;
-    if !even || !is_flat(scene, id, facet.normal, lobe.alpha) {
-        return None;
-    }
     let peak = lobe.reflectance / (4.0 * PI * lobe.alpha * lobe.alpha);
-    (peak >= STRENGTH).then_some(lobe)
+    (even && peak >= STRENGTH).then_some(lobe)
 }
 
 /// Material and plane, rounded, the same from both sides.

@@ -1,5 +1,6 @@
 //! One mirror, and the image of a light in it.
 
+use super::Shown;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -44,10 +45,10 @@ impl Mirror {
     }
 
     /// The image of `l` as `x` sees it, both on one side of the plane.
-    pub(super) fn image(&self, x: Vec3, l: Vec3) -> Image {
-        let (a, b) = (self.height(x), self.height(l));
-        let (from, to) = (self.coordinates(x), self.coordinates(l));
-        let (apart, height) = (to - from, a + b);
+    pub(super) fn image(&self, x: Vec3, l: Shown) -> Image {
+        let (a, b) = (self.height(x), self.normal.dot(l.at) - l.w * self.offset);
+        let (from, to) = (self.coordinates(x), self.coordinates(l.at));
+        let (apart, height) = (to - from * l.w, a * l.w + b);
         let distance2 = apart.length_squared() + height * height;
         let k = (height / (2.0 * a * b)).abs();
         Image {

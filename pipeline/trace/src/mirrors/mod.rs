@@ -1,4 +1,4 @@
-//! Flat glossy surfaces, and where each of them shows a point light to a point.
+//! Flat glossy surfaces and polished balls, and where each of them shows a light to a point.
 //!
 //! A narrow lobe on the way from a point light to a rough surface (a caustic) is found neither by
 //! the rough surface's own directions nor by the light's: each hits it once in thousands of paths
@@ -8,17 +8,21 @@
 //!
 //! s = k (cos²θ (y - y0)·t, (y - y0)·u),    k = (a + b) / (2 a b),
 //!
-//! t and u along and across the plane of incidence and θ the angle there. Drawing s from the GGX
+//! t and u along and across the plane of incidence and θ the angle there. Light from afar is the
+//! limit b → ∞ of it. Drawing s from the GGX
 //! slopes of the surface's own alpha and taking y from it covers the lobe; the balance heuristic
-//! takes care of all else, so that no approximation here makes an estimate wrong.
+//! takes care of all else, so that no approximation here makes an estimate wrong. On a ball of radius r, the
+//! normal turns the other way and adds 1 / r to both slopes.
 
+mod ball;
 mod find;
 mod image;
 mod shown;
 
+use ball::{Ball, BallImage};
 use glam::Vec3;
 use image::Mirror;
-use shown::{Frames, sum, weights};
+use shown::{Each, Frames, MOST, sum, weights};
 
 /// In place of a mirror's number: none.
 pub(crate) const NO_MIRROR: u8 = u8::MAX;
@@ -28,8 +32,34 @@ pub(crate) const NO_MIRROR: u8 = u8::MAX;
 pub(crate) struct Mirrors {
     mirrors: Vec<Mirror>,
     frames: Frames,
+    /// Polished balls, numbered from [`MOST`] on.
+    balls: Vec<Ball>,
     /// Of each triangle, or [`NO_MIRROR`]; empty where there is none at all.
     of_triangle: Vec<u8>,
+}
+
+/// The light that mirrors show: a point, or a direction that light comes from, as homogeneous
+/// coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shown {
+    /// Position, or unit direction.
+    pub(crate) at: Vec3,
+    /// 1 for a position, 0 for a direction.
+    pub(crate) w: f32,
+}
+
+impl Shown {
+    /// A point.
+    #[inline]
+    pub(crate) fn point(at: Vec3) -> Shown {
+        Shown { at, w: 1.0 }
+    }
+
+    /// Light from infinitely far away.
+    #[inline]
+    pub(crate) fn from_afar(toward: Vec3) -> Shown {
+        Shown { at: toward, w: 0.0 }
+    }
 }
 
 /// A point to go to.
@@ -42,22 +72,42 @@ pub(crate) struct Proposal {
 }
 
 impl Mirrors {
+    /// Whether there is no flat one.
     pub(crate) fn is_empty(&self) -> bool {
         self.mirrors.is_empty()
     }
 
-    /// The mirror that a triangle belongs to.
+    /// Whether there is a flat one or a ball.
+    pub(crate) fn has_any(&self) -> bool {
+        !(self.mirrors.is_empty() && self.balls.is_empty())
+    }
+
+    /// The flat mirror that a triangle belongs to.
+    #[inline]
+    pub(crate) fn flat_of(&self, triangle: u32) -> u8 {
+        let found = self.of(triangle);
+        if usize::from(found) < MOST {
+            found
+        } else {
+            NO_MIRROR
+        }
+    }
+
+    /// The mirror or ball that a triangle belongs to.
     #[inline]
     pub(crate) fn of(&self, triangle: u32) -> u8 {
         let found = self.of_triangle.get(triangle as usize);
         found.copied().unwrap_or(NO_MIRROR)
     }
 
-    /// A point on a mirror by which the light at `l` is seen from `x`, from three numbers in
+    /// A point on a mirror by which the light `l` is seen from `x`, from three numbers in
     /// [0, 1): which mirror, and where.
-    pub(crate) fn propose(&self, x: Vec3, l: Vec3, u: [f32; 3]) -> Option<Proposal> {
-        let weights = weights(&self.frames, x, l);
-        let total = sum(&weights);
+    pub(crate) fn propose(&self, x: Vec3, l: Shown, u: [f32; 3]) -> Option<Proposal> {
+        self.propose_flat(x, l, &weights(&self.frames, x, l), u)
+    }
+
+    fn propose_flat(&self, x: Vec3, l: Shown, weights: &Each, u: [f32; 3]) -> Option<Proposal> {
+        let total = sum(weights);
         if total == 0.0 {
             return None;
         }
@@ -79,7 +129,7 @@ impl Mirrors {
     }
 
     /// Density of [`Mirrors::propose`] at `y` on `mirror`, with respect to area.
-    pub(crate) fn density(&self, mirror: u8, x: Vec3, l: Vec3, y: Vec3) -> f32 {
+    pub(crate) fn density(&self, mirror: u8, x: Vec3, l: Shown, y: Vec3) -> f32 {
         let weights = weights(&self.frames, x, l);
         match weights.get(usize::from(mirror)) {
             Some(&own) if own > 0.0 => self.density_in(mirror, own / sum(&weights), x, l, y),
@@ -89,12 +139,99 @@ impl Mirrors {
 
     /// [`Mirrors::density`] where the share of this mirror is known. Rays from x go on from the plane to where
     /// the surface is, a rounding away: a cone's area there is that in the plane over t².
-    pub(crate) fn density_in(&self, mirror: u8, share: f32, x: Vec3, l: Vec3, y: Vec3) -> f32 {
+    pub(crate) fn density_in(&self, mirror: u8, share: f32, x: Vec3, l: Shown, y: Vec3) -> f32 {
         self.mirrors.get(usize::from(mirror)).map_or(0.0, |own| {
             let t = own.height(x) / (own.height(x) - own.height(y));
             let in_plane = own.coordinates(x + (y - x) * t);
             share * own.image(x, l).density(own.alpha, in_plane) * t * t
         })
+    }
+}
+
+/// Share of the proposals that go to balls which show a light, at the least: their images are weaker
+/// than those of flat mirrors, which may be hidden.
+const LEAST_BALLS: f32 = 0.3;
+
+/// What each ball shows of a light.
+struct InBalls {
+    images: [Option<BallImage>; ball::MOST_BALLS],
+    /// Sum of their weights.
+    total: f32,
+    /// Share of the proposals that go to any of them.
+    share: f32,
+}
+
+impl Mirrors {
+    fn in_balls(&self, x: Vec3, l: Shown, flat: f32) -> InBalls {
+        let image = |k: usize| self.balls.get(k).and_then(|ball| ball.image(x, l));
+        let images: [Option<BallImage>; ball::MOST_BALLS] = std::array::from_fn(image);
+        let total: f32 = images.iter().flatten().map(|image| image.weight).sum();
+        let share = match (total > 0.0, flat > 0.0) {
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => (total / (total + flat)).max(LEAST_BALLS),
+        };
+        InBalls {
+            images,
+            total,
+            share,
+        }
+    }
+
+    /// [`Mirrors::propose`] among flat mirrors and balls.
+    pub(crate) fn propose_any(&self, x: Vec3, l: Shown, u: [f32; 3]) -> Option<Proposal> {
+        let flat = weights(&self.frames, x, l);
+        let InBalls {
+            images,
+            total,
+            share,
+        } = self.in_balls(x, l, sum(&flat));
+        if u[0] >= share {
+            let rest = (u[0] - share) / (1.0 - share);
+            return self.propose_flat(x, l, &flat, [rest, u[1], u[2]]);
+        }
+        let (mut left, mut chosen) = (u[0] / share * total, None);
+        for (number, image) in images.iter().enumerate() {
+            if let Some(image) = image.as_ref().filter(|_| left >= 0.0) {
+                left -= image.weight;
+                chosen = Some((number, image));
+            }
+        }
+        let (number, image) = chosen?;
+        Some(Proposal {
+            mirror: (MOST + number) as u8,
+            position: image.sample(self.balls.get(number)?, [u[1], u[2]]),
+            share: share * image.weight / total,
+        })
+    }
+
+    /// Density of [`Mirrors::propose_any`] at `y`, a point of `mirror` with this unit normal, with respect
+    /// to area.
+    pub(crate) fn density_any(
+        &self,
+        mirror: u8,
+        x: Vec3,
+        l: Shown,
+        (y, outward): (Vec3, Vec3),
+    ) -> f32 {
+        let flat = weights(&self.frames, x, l);
+        let in_balls = self.in_balls(x, l, sum(&flat));
+        let Some(number) = usize::from(mirror).checked_sub(MOST) else {
+            let own = flat.get(usize::from(mirror)).copied().unwrap_or(0.0);
+            if own <= 0.0 {
+                return 0.0;
+            }
+            let share = (1.0 - in_balls.share) * own / sum(&flat);
+            return self.density_in(mirror, share, x, l, y);
+        };
+        let image = in_balls.images.get(number).and_then(Option::as_ref);
+        match (image, self.balls.get(number)) {
+            (Some(image), Some(ball)) => {
+                let share = in_balls.share * image.weight / in_balls.total;
+                share * image.density(ball, x, (y, outward))
+            }
+            _ => 0.0,
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! How much of a light each mirror shows, for all mirrors at once.
 
+use super::Shown;
 use super::image::Mirror;
 use glam::Vec3;
 use multiversion::multiversion;
@@ -32,18 +33,18 @@ pub(super) struct Frames {
 /// over the squared distance, times what the lobe leaves where the image lies beside the mirror;
 /// zero where that is too little or the two are not on one side, clear of the plane.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
-pub(super) fn weights(frames: &Frames, x: Vec3, l: Vec3) -> Each {
+pub(super) fn weights(frames: &Frames, x: Vec3, l: Shown) -> Each {
     let mut weights = [0.0; MOST];
     for (i, weight) in weights.iter_mut().enumerate() {
         let along =
             |axis: &[Each; 3], p: Vec3| axis[0][i] * p.x + axis[1][i] * p.y + axis[2][i] * p.z;
         let a = along(&frames.normal, x) - frames.offset[i];
-        let b = along(&frames.normal, l) - frames.offset[i];
-        let height = a + b;
+        let b = along(&frames.normal, l.at) - l.w * frames.offset[i];
+        let height = l.w * a + b;
         let (mut to_rectangle, mut apart) = ([0.0; 2], [0.0; 2]);
         for axis in 0..2 {
             let from = along(&frames.axes[axis], x);
-            apart[axis] = along(&frames.axes[axis], l) - from;
+            apart[axis] = along(&frames.axes[axis], l.at) - l.w * from;
             let center = from + apart[axis] * (a / height);
             let nearest = center.max(frames.low[axis][i]).min(frames.high[axis][i]);
             to_rectangle[axis] = nearest - center;
@@ -66,7 +67,8 @@ pub(super) fn weights(frames: &Frames, x: Vec3, l: Vec3) -> Each {
         let spread = 1.0 + slope2 * frames.sharpness[i];
         let share = 1.0 / (spread * spread);
         let clear = CLEAR * CLEAR * distance2;
-        let shown = (a * b > 0.0) & (a * a > clear) & (b * b > clear) & (share >= LEAST_SHARE);
+        let off = (a * a > clear * l.w) & (b * b > clear);
+        let shown = (a * b > 0.0) & off & (share >= LEAST_SHARE);
         let full = share * frames.reflectance[i] / distance2;
         *weight = if shown { full } else { 0.0 };
     }

@@ -23,7 +23,7 @@ fn images_are_mirror_points_with_the_half_vectors_slope() {
         (Vec3::new(0.1, -0.2, 0.3), Vec3::new(0.2, 0.3, -0.4)),
         (Vec3::new(0.1, 1.2, 0.3), Vec3::new(0.1, 0.8, 0.3)),
     ] {
-        let image = mirror.image(x, l);
+        let image = mirror.image(x, Shown::point(l));
         let slope = |y: Vec2| {
             let y = mirror.at(y).as_dvec3();
             let (dx, dl) = (x.as_dvec3() - y, l.as_dvec3() - y);
@@ -47,7 +47,7 @@ fn images_are_mirror_points_with_the_half_vectors_slope() {
         }
     }
     let frames = Frames::new(&[mirror]);
-    let shown = |x, l| sum(&weights(&frames, x, l));
+    let shown = |x, l| sum(&weights(&frames, x, Shown::point(l)));
     let above = Vec3::new(0.2, 1.0, 0.0);
     assert_eq!(shown(above, Vec3::ZERO), 0.0, "on different sides");
     assert_eq!(
@@ -66,8 +66,10 @@ fn points_have_their_density() {
         frames: Frames::new(&[mirror()]),
         mirrors: vec![mirror()],
         of_triangle: vec![0],
+        ..Mirrors::default()
     };
-    let (x, l) = (Vec3::new(0.3, 1.5, -0.2), Vec3::new(-0.5, 0.9, 0.4));
+    let x = Vec3::new(0.3, 1.5, -0.2);
+    let l = Shown::point(Vec3::new(-0.5, 0.9, 0.4));
     let image = mirrors.mirrors[0].image(x, l);
     let (count, cells, half) = (200_000u64, 6, 0.09f32);
     let width = 2.0 * half / cells as f32;
@@ -101,6 +103,112 @@ fn points_have_their_density() {
     assert!(chi2 < 92.9, "{chi2}");
 }
 
+/// Light from afar is a point that is far away.
+#[test]
+fn directions_are_points_far_away() {
+    let mirror = mirror();
+    let x = Vec3::new(0.3, 1.5, -0.2);
+    let toward = Vec3::new(-0.3, 0.6, 0.4).normalize();
+    let far = mirror.image(x, Shown::from_afar(toward));
+    let near = mirror.image(x, Shown::point(x + toward * 1e5));
+    assert!((far.center - near.center).length() < 1e-4);
+    assert!((far.along - near.along).length() < 1e-4);
+    assert!((far.slopes / near.slopes - 1.0).abs().max_element() < 1e-4);
+    let frames = Frames::new(&[mirror]);
+    assert!(sum(&weights(&frames, x, Shown::from_afar(toward))) > 0.0);
+    let below = Shown::from_afar(-toward);
+    assert_eq!(sum(&weights(&frames, x, below)), 0.0);
+}
+
+fn ball_in_mirrors() -> Mirrors {
+    Mirrors {
+        balls: vec![Ball::new(Vec3::new(0.2, 0.5, -0.1), 0.3, 0.02, 0.9)],
+        ..Mirrors::default()
+    }
+}
+
+/// On a ball angles of incidence and reflection agree, the slope's derivative is that of the half vector
+/// against the normal, and the weight is the light's density there: all against rays.
+#[test]
+fn balls_show_lights_where_they_reflect_them() {
+    let mirrors = ball_in_mirrors();
+    let ball = &mirrors.balls[0];
+    let center = Vec3::new(0.2, 0.5, -0.1).as_dvec3();
+    let x = Vec3::new(0.9, 1.4, 0.8);
+    for l in [
+        Shown::point(Vec3::new(-0.4, 1.1, 0.9)),
+        Shown::point(x + Vec3::splat(0.01)),
+        Shown::from_afar(Vec3::new(0.3, 0.9, -0.2).normalize()),
+    ] {
+        let image = ball.image(x, l).unwrap();
+        let slope = |y: glam::DVec3| {
+            let n = (y - center).normalize();
+            let to_l = l.at.as_dvec3() - y * f64::from(l.w);
+            let h = (x.as_dvec3() - y).normalize() + to_l.normalize();
+            h / h.dot(n) - n
+        };
+        let y0 = image.center.as_dvec3();
+        assert!(((y0 - center).length() - 0.3).abs() < 1e-5);
+        assert!(slope(y0).length() < 1e-3, "{}", slope(y0).length());
+        for (axis, expected) in image.axes.iter().zip(image.slopes.to_array()) {
+            let step = 1e-4 * axis.as_dvec3();
+            let on = |p: glam::DVec3| center + (p - center).normalize() * 0.3;
+            let change = slope(on(y0 + step)) - slope(on(y0 - step));
+            let found = -change.dot(axis.as_dvec3()) / 2e-4;
+            let error = found / f64::from(expected) - 1.0;
+            assert!(error.abs() < 2e-3, "{found} for {expected}");
+        }
+    }
+    assert!(ball.image(Vec3::new(0.2, 0.5, -0.1), Shown::point(x)).is_none());
+    let behind = Shown::point(Vec3::new(-0.5, -0.5, -1.0));
+    assert!(ball.image(x, behind).is_none(), "hidden by the ball");
+}
+
+/// Points about a ball's image have their density with respect to angle: chi-square as for flat ones,
+/// over the tangent plane.
+#[test]
+fn points_on_balls_have_their_density() {
+    let mirrors = ball_in_mirrors();
+    let (x, l) = (
+        Vec3::new(0.9, 1.4, 0.8),
+        Shown::point(Vec3::new(-0.4, 1.1, 0.9)),
+    );
+    let image = mirrors.balls[0].image(x, l).unwrap();
+    let (count, cells, half) = (200_000u64, 6usize, 0.01f32);
+    let width = 2.0 * half / cells as f32;
+    let cell = |y: Vec3| {
+        let at = Vec2::new(
+            (y - image.center).dot(image.axes[0]),
+            (y - image.center).dot(image.axes[1]),
+        );
+        let at = (at + half) / width;
+        let inside = at.min_element() >= 0.0 && at.max_element() < cells as f32;
+        inside.then(|| at.y as usize * cells + at.x as usize)
+    };
+    let mut found = vec![0.0; cells * cells + 1];
+    for i in 0..count {
+        let u = rrf_sampling::Stream::new(6, rrf_sampling::Stage::Test, 0).units(i, 0, 0);
+        let proposal = mirrors.propose_any(x, l, [u[0], u[1], u[2]]).unwrap();
+        found[cell(proposal.position).unwrap_or(cells * cells)] += 1.0;
+    }
+    let fine = 20;
+    let mut expected = vec![0.0; cells * cells + 1];
+    let step = width / fine as f32;
+    for iy in 0..cells * fine {
+        for ix in 0..cells * fine {
+            let at = Vec2::new(ix as f32 + 0.5, iy as f32 + 0.5) * step - half;
+            let y = image.center + image.axes[0] * at.x + image.axes[1] * at.y;
+            let density = mirrors.density_any(MOST as u8, x, l, (y, image.normal));
+            let share = f64::from(density) * f64::from(step).powi(2) * count as f64;
+            expected[(iy / fine) * cells + ix / fine] += share;
+        }
+    }
+    expected[cells * cells] = count as f64 - expected.iter().sum::<f64>();
+    let square = |(f, e): (&f64, &f64)| (f - e).powi(2) / e;
+    let chi2: f64 = found.iter().zip(&expected).map(square).sum();
+    assert!(chi2 < 92.9, "{chi2}");
+}
+
 /// A ray that goes on to a surface off the plane takes its solid angle with it.
 #[test]
 fn densities_follow_their_rays() {
@@ -108,8 +216,10 @@ fn densities_follow_their_rays() {
         frames: Frames::new(&[mirror()]),
         mirrors: vec![mirror()],
         of_triangle: vec![0],
+        ..Mirrors::default()
     };
-    let (x, l) = (Vec3::new(0.3, 1.5, -0.2), Vec3::new(-0.5, 0.9, 0.4));
+    let x = Vec3::new(0.3, 1.5, -0.2);
+    let l = Shown::point(Vec3::new(-0.5, 0.9, 0.4));
     let y = mirrors.propose(x, l, [0.5, 0.4, 0.7]).unwrap().position;
     let solid_angle = |y: Vec3| mirrors.density(0, x, l, y) * (y - x).length_squared();
     for t in [0.9, 0.999, 1.1] {

@@ -53,7 +53,7 @@ impl Wave {
                     toward,
                     falloff,
                     intensity,
-                    mirror: tracer.mirrors.of(hit.triangle),
+                    mirror: tracer.mirrors.flat_of(hit.triangle),
                     density: vertex.geometric.dot(toward) * falloff / solid_angle,
                 }
             });

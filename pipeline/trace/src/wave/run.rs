@@ -6,7 +6,7 @@ use super::part::{Part, Row};
 use super::path::{Connection, LightVertex, Path, PathLight};
 use super::random::{self, Draws};
 use super::tile::Contributions;
-use crate::mirrors::NO_MIRROR;
+use crate::mirrors::{NO_MIRROR, Shown};
 use crate::rays;
 use crate::tracer::Tracer;
 use crate::walk::{Found, Ray, Stack};
@@ -53,12 +53,15 @@ impl Batch<'_> {
     /// Density with which a mirror would have led a path to where its ray ended.
     fn mirror_density(&self, path: &Path, light: Vec3, hit: &Found, bounce: u32) -> f32 {
         let tracer = self.part.tracer;
-        let mirror = tracer.mirrors.of(hit.triangle);
+        let mirror = tracer.mirrors.flat_of(hit.triangle);
         if mirror == NO_MIRROR {
             return 0.0;
         }
         let y = tracer.facets[hit.triangle as usize].position(hit.barycentrics);
-        looks(bounce) * tracer.mirrors.density(mirror, path.from, light, y)
+        looks(bounce)
+            * tracer
+                .mirrors
+                .density(mirror, path.from, Shown::point(light), y)
     }
 
     /// Whether light that mirrors show is sought.

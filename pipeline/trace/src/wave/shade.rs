@@ -6,7 +6,7 @@ use super::path::Path;
 use super::random;
 use super::run::{Batch, Wave, looks};
 use crate::light_set::LightSet;
-use crate::mirrors::NO_MIRROR;
+use crate::mirrors::{NO_MIRROR, Shown};
 use crate::walk::Ray;
 use glam::Vec3;
 use rrf_lights::EmittingTriangles;
@@ -77,6 +77,7 @@ impl Wave {
                 let x = self.vertices.surfaces.position.get(i);
                 let light = self.vertices.light.get(i);
                 let y = lit.vertex.position;
+                let light = Shown::point(light);
                 self.lit.density[i] += looks(bounce) * mirrors.density(lit.mirror, x, light, y);
             }
         }

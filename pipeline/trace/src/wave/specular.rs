@@ -5,6 +5,7 @@ use super::load::load;
 use super::path::Connection;
 use super::random;
 use super::run::{Batch, Wave, looks};
+use crate::mirrors::Shown;
 use crate::rays;
 use crate::walk::Ray;
 use glam::Vec3;
@@ -34,7 +35,8 @@ impl Wave {
             }
             u[0] /= looking;
             let x = self.vertices.surfaces.position.get(i);
-            let Some(to) = mirrors.propose(x, self.vertices.light.get(i), u) else {
+            let light = Shown::point(self.vertices.light.get(i));
+            let Some(to) = mirrors.propose(x, light, u) else {
                 continue;
             };
             let direction = to.position - x;
@@ -66,7 +68,8 @@ impl Wave {
         let mut met = std::mem::take(&mut self.met);
         met.clear();
         for (connection, hit) in self.connections.iter().zip(&self.hits) {
-            if hit.triangle != INVALID && tracer.mirrors.of(hit.triangle) == connection.mirror {
+            if hit.triangle != INVALID && tracer.mirrors.flat_of(hit.triangle) == connection.mirror
+            {
                 met.push((*connection, *hit));
             }
         }
@@ -124,7 +127,8 @@ impl Wave {
         let by_light = vertex.geometric.dot(toward) * falloff / solid_angle;
         let x = self.vertices.surfaces.position.get(i);
         let Connection { mirror, share, .. } = *connection;
-        let by_mirror = (tracer.mirrors).density_in(mirror, share, x, light, vertex.position);
+        let by_mirror =
+            (tracer.mirrors).density_in(mirror, share, x, Shown::point(light), vertex.position);
         self.lit.surfaces.set(i, &vertex);
         self.lit.toward.set(i, toward);
         self.lit.falloff[i] = falloff;

@@ -1,6 +1,7 @@
 //! The tracer against closed forms, brute force, given values and itself.
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod caustics;
 mod chi_square;
 mod determinism;
 mod estimators;

@@ -71,22 +71,18 @@ fn a_patch_sees_a_light_in_two_mirrors() {
             paths: 65_536,
             replicates: 64,
         };
-        let (stream, estimator) = (Stream::new(62, Stage::Test, 0), Estimator::Connected);
-        let found = indirect_with(&tracer, queries, sampling, estimator, stream, 0).unwrap();
+        let stream = Stream::new(62, Stage::Test, 0);
         // the midpoint rule errs by a quarter at twice the points: a third of the difference is left
         let (coarse, truth) = (radiance(p, light, 1_000), radiance(p, light, 2_000));
         let slack = ((truth - coarse) / truth).abs().max_element() / 3.0 + 2e-5;
         assert!(slack < 1e-3, "light {light}: the sum is off by {slack}");
         // 64 replicates: Student's t, whose tail at the limit is a quarter longer
-        let (mean, error) = (found.mean(0), 1.25 * found.standard_error(0));
-        assert_z(
-            &format!("light {light}"),
-            mean,
-            error,
-            truth,
-            slack,
-            lights.len(),
-        );
+        for estimator in [Estimator::Connected, Estimator::Bidirectional] {
+            let found = indirect_with(&tracer, queries, sampling, estimator, stream, 0).unwrap();
+            let (mean, error) = (found.mean(0), 1.25 * found.standard_error(0));
+            let name = format!("{estimator:?}, light {light}");
+            assert_z(&name, mean, error, truth, slack, 2 * lights.len());
+        }
     }
 }
 

@@ -1,0 +1,369 @@
+//! Where light from afar comes in, learned by a pilot: windows, doors and holes in the roof.
+//!
+//! A box about the scene is divided into cells. Walks from a query's point, and rays from their vertices
+//! to the lights, leave the scene through some of them; those cells are then aimed at, by shadow rays
+//! to the sky and by the lights' own rays. All of it is weighed against samplers that aim at the
+//! whole sky, so that a cell that was not seen costs noise and nothing else.
+
+use super::emit::{Group, Lights};
+use crate::rays;
+use crate::tracer::Tracer;
+use crate::walk::{Found, Ray, Stack};
+use crate::wave::Row;
+use glam::Vec3;
+use rrf_lights::about;
+use rrf_materials::{INVALID, cosine_hemisphere};
+use rrf_sampling::Stream;
+use rrf_sampling::warp::{by_weight, by_weight_probability};
+
+/// Cells along each side of a face.
+const SIDE: usize = 12;
+const FACE: usize = SIDE * SIDE;
+/// Vertices of a walk that look outside.
+const VERTICES: u32 = 4;
+/// The part of a stream that walks draw from, and blocks a vertex.
+const PART: u32 = 0x6f70_656e;
+
+/// The box and how much each of its cells is aimed at.
+#[derive(Clone, Debug)]
+pub(super) struct Openings {
+    low: Vec3,
+    size: Vec3,
+    /// Cumulative weights of the cells of each face: faces are low and high of x, y, z.
+    faces: [Vec<f64>; 6],
+    /// Cumulative weights of the faces.
+    all: Vec<f64>,
+}
+
+/// A walk's end so far.
+struct Walker {
+    number: u32,
+    origin: Vec3,
+    direction: Vec3,
+}
+
+impl Openings {
+    /// Learns where light comes in that reaches a row's point, by `walks` walks; none if nothing does.
+    pub(super) fn learn(
+        (tracer, lights): (&Tracer, &Lights),
+        row: &Row,
+        (walks, stream): (u32, Stream),
+        stack: &mut Stack,
+    ) -> Option<Openings> {
+        let [low, high] = tracer.bounds;
+        let margin = Vec3::splat(1e-4 * (high - low).length());
+        let mut seen = Seen {
+            low: low - margin,
+            size: high - low + 2.0 * margin,
+            sums: [vec![0.0; 6 * FACE], vec![0.0; 6 * FACE]],
+        };
+        let stream = stream.part(PART);
+        let mut hits: Vec<Found> = Vec::new();
+        let mut blocked = Vec::new();
+        // the first vertex is the row's own point
+        let mut places: Vec<(u32, crate::surface::Site, Vec3)> = Vec::new();
+        let first = tracer.site(row.point.triangle, row.point.barycentrics);
+        places.extend((0..walks).map(|number| (number, first, row.viewer)));
+        for vertex in 0..VERTICES {
+            let (mut rays, mut walkers) = (Vec::new(), Vec::new());
+            let (mut shadows, mut arriving) = (Vec::new(), Vec::new());
+            for (number, site, v) in &places {
+                let at = site.seen_from(*v);
+                let u = stream.units(row.index, *number, 2 * vertex);
+                let direction = about(at.geometric, cosine_hemisphere([u[0], u[1]]));
+                let origin = site.origin(direction);
+                rays.push(Ray {
+                    origin,
+                    direction,
+                    t_max: f32::INFINITY,
+                });
+                walkers.push(Walker {
+                    number: *number,
+                    origin,
+                    direction,
+                });
+                let w = stream.units(row.index, *number, 2 * vertex + 1);
+                let end = lights.end(Group::Far, None, [w[0], w[1], w[2]]);
+                if let Some(end) = end.filter(|end| at.geometric.dot(end.at) > 0.0) {
+                    let origin = site.origin(end.at);
+                    shadows.push(Ray {
+                        origin,
+                        direction: end.at,
+                        t_max: f32::INFINITY,
+                    });
+                    arriving.push(f64::from(at.geometric.dot(end.at)));
+                }
+            }
+            rays::occluded(&tracer.wide, &shadows, stack, &mut blocked);
+            for ((ray, weight), blocked) in shadows.iter().zip(&arriving).zip(&blocked) {
+                if !blocked {
+                    seen.add(1, ray.origin, ray.direction, *weight);
+                }
+            }
+            rays::closest(&tracer.wide, &rays, stack, &mut hits);
+            places.clear();
+            for (walker, hit) in walkers.iter().zip(&hits) {
+                if hit.triangle == INVALID {
+                    seen.add(0, walker.origin, walker.direction, 1.0);
+                } else {
+                    let site = tracer.site(hit.triangle, hit.barycentrics);
+                    places.push((walker.number, site, -walker.direction));
+                }
+            }
+        }
+        seen.openings()
+    }
+
+    /// A point of the box that the weights choose, and its density with respect to area; for light from
+    /// `toward` on the faces that it comes in through, else on all.
+    pub(super) fn sample(&self, toward: Option<Vec3>, u: [f32; 3]) -> Option<Vec3> {
+        let face = match toward {
+            Some(toward) => by_weight(&self.facing(toward), u[0]),
+            None => by_weight(&self.all, u[0]),
+        };
+        let cells = self.faces.get(face)?;
+        if cells.last().is_none_or(|&total| total <= 0.0) {
+            return None;
+        }
+        // the number serves for the cell's row and the place in it
+        let cell = by_weight(cells, u[1]);
+        let chance = by_weight_probability(cells, cell) as f32;
+        let before = cell
+            .checked_sub(1)
+            .and_then(|c| cells.get(c))
+            .copied()
+            .unwrap_or(0.0);
+        let total = cells.last().copied().unwrap_or(1.0);
+        let within = (u[1] - (before / total) as f32) / chance.max(f32::MIN_POSITIVE);
+        let axis = face / 2;
+        let [a, b] = across(axis);
+        let mut at = self.low;
+        at[axis] += if face % 2 == 1 { self.size[axis] } else { 0.0 };
+        at[a] += ((cell % SIDE) as f32 + within.clamp(0.0, 1.0)) / SIDE as f32 * self.size[a];
+        at[b] += ((cell / SIDE) as f32 + u[2]) / SIDE as f32 * self.size[b];
+        Some(at)
+    }
+
+    /// Cumulative weights of the faces that light from `toward` comes in through.
+    fn facing(&self, toward: Vec3) -> [f64; 6] {
+        let mut sum = 0.0;
+        std::array::from_fn(|face| {
+            if outward(face, toward) > 0.0 {
+                sum += self.faces[face].last().copied().unwrap_or(0.0);
+            }
+            sum
+        })
+    }
+
+    /// Density of [`Openings::sample`] of all faces with respect to angle from `at`.
+    pub(super) fn angle_density(&self, at: Vec3, toward: Vec3) -> f32 {
+        let Some((face, cell, t)) = leaves(self.low, self.size, at, toward) else {
+            return 0.0;
+        };
+        let chance = by_weight_probability(&self.all, face) as f32;
+        let cosine = outward(face, toward);
+        chance * self.area_density(face, cell) * t * t / cosine
+    }
+
+    /// Density of [`Openings::sample`] for light from `toward` with respect to area across it, of light
+    /// that arrives at `at`.
+    pub(super) fn beam_density(&self, at: Vec3, toward: Vec3) -> f32 {
+        let Some((face, cell, _)) = leaves(self.low, self.size, at, toward) else {
+            return 0.0;
+        };
+        let facing = self.facing(toward);
+        if facing[5] <= 0.0 {
+            return 0.0;
+        }
+        let chance = by_weight_probability(&facing, face) as f32;
+        chance * self.area_density(face, cell) / outward(face, toward)
+    }
+
+    /// Whether light from `toward` comes in by a cell that was seen.
+    pub(super) fn lets_in(&self, toward: Vec3) -> bool {
+        self.facing(toward)[5] > 0.0
+    }
+
+    /// Density of a cell among those of its face, with respect to area.
+    fn area_density(&self, face: usize, cell: usize) -> f32 {
+        let cells = &self.faces[face];
+        if cells.last().is_none_or(|&total| total <= 0.0) {
+            return 0.0;
+        }
+        let [a, b] = across(face / 2);
+        let area = self.size[a] * self.size[b] / FACE as f32;
+        by_weight_probability(cells, cell) as f32 / area
+    }
+}
+
+/// What walks have seen.
+struct Seen {
+    low: Vec3,
+    size: Vec3,
+    /// By walks' own directions and by lights'.
+    sums: [Vec<f64>; 2],
+}
+
+impl Seen {
+    /// A ray that leaves: its cell counts, and those about it a little.
+    fn add(&mut self, by: usize, origin: Vec3, direction: Vec3, weight: f64) {
+        let Some((face, cell, _)) = leaves(self.low, self.size, origin, direction) else {
+            return;
+        };
+        let (column, row) = ((cell % SIDE) as isize, (cell / SIDE) as isize);
+        for (dc, dr) in (-1..=1).flat_map(|dr| (-1..=1).map(move |dc| (dc, dr))) {
+            let (c, r) = (column + dc, row + dr);
+            if (0..SIDE as isize).contains(&c) && (0..SIDE as isize).contains(&r) {
+                let share = if dc == 0 && dr == 0 { 1.0 } else { 0.15 };
+                let index = face * FACE + r as usize * SIDE + c as usize;
+                self.sums[by][index] += weight * share;
+            }
+        }
+    }
+
+    /// Both kinds of rays count alike.
+    fn openings(self) -> Option<Openings> {
+        let mut weights = vec![0.0; 6 * FACE];
+        for sums in &self.sums {
+            let total: f64 = sums.iter().sum();
+            if total > 0.0 {
+                let scaled = weights.iter_mut().zip(sums);
+                scaled.for_each(|(weight, sum)| *weight += sum / total);
+            }
+        }
+        let mut faces: [Vec<f64>; 6] = std::array::from_fn(|_| Vec::with_capacity(FACE));
+        let (mut all, mut total) = (Vec::with_capacity(6), 0.0);
+        for (face, cells) in faces.iter_mut().zip(weights.chunks(FACE)) {
+            let mut sum = 0.0;
+            face.extend(cells.iter().map(|weight| {
+                sum += weight;
+                sum
+            }));
+            total += sum;
+            all.push(total);
+        }
+        let Seen { low, size, .. } = self;
+        (total > 0.0).then_some(Openings {
+            low,
+            size,
+            faces,
+            all,
+        })
+    }
+}
+
+/// The two axes along a face across `axis`.
+fn across(axis: usize) -> [usize; 2] {
+    [(axis + 1) % 3, (axis + 2) % 3]
+}
+
+/// How much a direction goes out through a face.
+fn outward(face: usize, toward: Vec3) -> f32 {
+    let along = toward[face / 2];
+    if face % 2 == 1 { along } else { -along }
+}
+
+/// Face, cell and distance where a ray from inside leaves the box.
+fn leaves(low: Vec3, size: Vec3, at: Vec3, toward: Vec3) -> Option<(usize, usize, f32)> {
+    let (mut nearest, mut face) = (f32::INFINITY, None);
+    for axis in 0..3 {
+        let goes_up = toward[axis] > 0.0;
+        let bound = low[axis] + if goes_up { size[axis] } else { 0.0 };
+        let t = (bound - at[axis]) / toward[axis];
+        if toward[axis] != 0.0 && t >= 0.0 && t < nearest {
+            (nearest, face) = (t, Some(2 * axis + usize::from(goes_up)));
+        }
+    }
+    let face = face?;
+    let place = at + toward * nearest;
+    let cell = |axis: usize| {
+        let along = (place[axis] - low[axis]) / size[axis] * SIDE as f32;
+        (along.max(0.0) as usize).min(SIDE - 1)
+    };
+    let [a, b] = across(face / 2);
+    Some((face, cell(b) * SIDE + cell(a), nearest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn openings() -> Openings {
+        let mut seen = Seen {
+            low: Vec3::new(-2.0, 0.0, -1.0),
+            size: Vec3::new(4.0, 3.0, 2.0),
+            sums: [vec![0.0; 6 * FACE], vec![0.0; 6 * FACE]],
+        };
+        for k in 0..40 {
+            let along = k as f32 / 40.0;
+            seen.add(0, Vec3::Y, Vec3::new(-1.0, 0.4 * along, 0.1), 1.0);
+            seen.add(
+                1,
+                Vec3::Y,
+                Vec3::new(0.1, 1.0, 0.3 - along).normalize(),
+                0.7,
+            );
+        }
+        seen.openings().unwrap()
+    }
+
+    /// Directions to sampled points have their density: the mean of 1 / density over those in a cone
+    /// is the cone's solid angle, if every direction in it can be drawn; by z at 5.
+    #[test]
+    fn directions_have_their_density() {
+        let openings = openings();
+        let stream = Stream::new(4, rrf_sampling::Stage::Test, 0);
+        let from = Vec3::new(0.2, 1.1, 0.1);
+        let axis = Vec3::new(-1.0, 0.1, 0.05).normalize();
+        let (cosine, count) = (0.995f32, 400_000u64);
+        let (mut sum, mut squares) = (0.0f64, 0.0f64);
+        for i in 0..count {
+            let [a, b, c, _] = stream.units(i, 0, 0);
+            let toward = (openings.sample(None, [a, b, c]).unwrap() - from).normalize();
+            if toward.dot(axis) > cosine {
+                let x = 1.0 / f64::from(openings.angle_density(from, toward));
+                sum += x;
+                squares += x * x;
+            }
+        }
+        let mean = sum / count as f64;
+        let error = ((squares / count as f64 - mean * mean) / count as f64).sqrt();
+        let expected = 2.0 * std::f64::consts::PI * (1.0 - f64::from(cosine));
+        assert!(
+            (mean - expected).abs() < 5.0 * error,
+            "{mean} ± {error}, {expected}"
+        );
+        assert!(error < 0.01 * expected);
+    }
+
+    /// Beams through sampled points: the mean of 1 / density over those that pass a disk across the
+    /// light is the disk's area.
+    #[test]
+    fn beams_have_their_density() {
+        let openings = openings();
+        let stream = Stream::new(5, rrf_sampling::Stage::Test, 0);
+        let toward = Vec3::new(-1.0, 0.3, 0.1).normalize();
+        let (middle, radius, count) = (Vec3::new(0.1, 0.9, 0.0), 0.05f32, 400_000u64);
+        let (mut sum, mut squares) = (0.0f64, 0.0f64);
+        for i in 0..count {
+            let [a, b, c, _] = stream.units(i, 0, 0);
+            let at = openings.sample(Some(toward), [a, b, c]).unwrap();
+            let apart = at - middle;
+            let passes = apart - toward * apart.dot(toward);
+            if passes.length() < radius {
+                let place = at - toward * apart.dot(toward);
+                let x = 1.0 / f64::from(openings.beam_density(place, toward));
+                sum += x;
+                squares += x * x;
+            }
+        }
+        let mean = sum / count as f64;
+        let error = ((squares / count as f64 - mean * mean) / count as f64).sqrt();
+        let expected = std::f64::consts::PI * f64::from(radius).powi(2);
+        assert!(
+            (mean - expected).abs() < 5.0 * error,
+            "{mean} ± {error}, {expected}"
+        );
+        assert!(error < 0.02 * expected);
+    }
+}
