@@ -299,7 +299,8 @@ impl<'a> Lights<'a> {
             Group::Far => {
                 if let Some(openings) = self.letting_in(end.at) {
                     if u[2] < GUIDED_BEAMS {
-                        let through = openings.sample(Some(end.at), [u[2] / GUIDED_BEAMS, u[0], u[1]]);
+                        let through =
+                            openings.sample(Some(end.at), [u[2] / GUIDED_BEAMS, u[0], u[1]]);
                         return through.map(|at| (at, -end.at));
                     }
                 }
@@ -320,7 +321,9 @@ impl<'a> Lights<'a> {
     fn beam_density(&self, at: Vec3, toward: Vec3) -> f32 {
         let whole = 1.0 / (PI * self.radius * self.radius);
         match self.letting_in(toward) {
-            Some(openings) => (1.0 - GUIDED_BEAMS) * whole + GUIDED_BEAMS * openings.beam_density(at, toward),
+            Some(openings) => {
+                (1.0 - GUIDED_BEAMS) * whole + GUIDED_BEAMS * openings.beam_density(at, toward)
+            }
             None => whole,
         }
     }

@@ -159,7 +159,10 @@ fn balls_show_lights_where_they_reflect_them() {
             assert!(error.abs() < 2e-3, "{found} for {expected}");
         }
     }
-    assert!(ball.image(Vec3::new(0.2, 0.5, -0.1), Shown::point(x)).is_none());
+    assert!(
+        ball.image(Vec3::new(0.2, 0.5, -0.1), Shown::point(x))
+            .is_none()
+    );
     let behind = Shown::point(Vec3::new(-0.5, -0.5, -1.0));
     assert!(ball.image(x, behind).is_none(), "hidden by the ball");
 }

@@ -67,7 +67,10 @@ fn paths_from_both_ends_find_what_plain_paths_find() {
         (source.kind().to_string(), set)
     });
     let lamp = ("lamp".to_string(), tracer.light_set(None, []).unwrap());
-    let all = ("all".to_string(), tracer.light_set(None, sources()).unwrap());
+    let all = (
+        "all".to_string(),
+        tracer.light_set(None, sources()).unwrap(),
+    );
     let cases: Vec<_> = alone.chain([lamp, all]).collect();
     let tests = cases.len() * points.len();
     for (k, (name, lights)) in (0u64..).zip(&cases) {
