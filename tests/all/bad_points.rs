@@ -45,6 +45,24 @@ fn good_rows_are_answered() {
     assert_eq!(Table::read(&out).rows(), 10);
 }
 
+/// A name that is no light of the scene: the row and the names there are.
+#[test]
+fn light_unknown() {
+    let place = Place::new();
+    let (input, out) = (place.name("in.parquet"), place.name("out.parquet"));
+    let mut lights = vec!["light0"; 10];
+    lights[7] = "light00";
+    table::write_lit(&input, &columns(), &lights);
+    let trace = ["trace", &cornell(), "--points", &input, "-o", &out];
+    let words = ["in.parquet", "row 7", "\"light00\"", "point, sun", "light0"];
+    refused(&[&trace[..], &["--spp", "16"]].concat(), &words);
+    assert!(place.holds(&["in.parquet"]), "something was written");
+    lights[7] = "point";
+    table::write_lit(&input, &columns(), &lights);
+    crate::program::done(&[&trace[..], &["--spp", "16"]].concat());
+    assert_eq!(Table::read(&out).rows(), 10);
+}
+
 #[test]
 fn column_missing() {
     for missing in [0, 4, 11] {

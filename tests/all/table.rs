@@ -1,6 +1,6 @@
 //! Parquet tables as columns of numbers.
 
-use arrow::array::{Array, ArrayRef, AsArray, Float32Array, RecordBatch};
+use arrow::array::{Array, ArrayRef, AsArray, Float32Array, RecordBatch, StringArray};
 use arrow::compute::{cast, concat_batches};
 use arrow::datatypes::{DataType, Field, Float64Type, Schema};
 use parquet::arrow::ArrowWriter;
@@ -69,12 +69,27 @@ impl Table {
 
 /// Writes float32 columns as Parquet.
 pub fn write(path: &str, columns: &[(&str, Vec<f32>)]) {
+    write_with(path, columns, None);
+}
+
+/// The same with the names of each row's light.
+pub fn write_lit(path: &str, columns: &[(&str, Vec<f32>)], lights: &[&str]) {
+    write_with(path, columns, Some(lights));
+}
+
+fn write_with(path: &str, columns: &[(&str, Vec<f32>)], lights: Option<&[&str]>) {
     let field = |(name, _): &(&str, Vec<f32>)| Field::new(*name, DataType::Float32, false);
-    let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
-    let arrays = columns
-        .iter()
-        .map(|(_, values)| Arc::new(Float32Array::from(values.clone())) as ArrayRef);
-    let batch = RecordBatch::try_new(schema.clone(), arrays.collect()).expect("equal lengths");
+    let mut fields: Vec<Field> = columns.iter().map(field).collect();
+    let number = |(_, values): &(&str, Vec<f32>)| -> ArrayRef {
+        Arc::new(Float32Array::from(values.clone()))
+    };
+    let mut arrays: Vec<ArrayRef> = columns.iter().map(number).collect();
+    if let Some(lights) = lights {
+        fields.push(Field::new("light", DataType::Utf8, false));
+        arrays.push(Arc::new(StringArray::from(lights.to_vec())));
+    }
+    let schema = Arc::new(Schema::new(fields));
+    let batch = RecordBatch::try_new(schema.clone(), arrays).expect("equal lengths");
     let file = File::create(path).expect("a temporary file");
     let mut writer = ArrowWriter::try_new(file, schema, None).expect("a writer");
     writer.write(&batch).expect("a written table");

@@ -36,8 +36,8 @@ pub struct TraceArgs {
     /// or a light of the scene.
     #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "up", "mirror", "light", "scene_lights", "part", "aa", "exposure", "fov", "size", "sun", "dim", "moves", "own_lights"])]
     pub points: Option<PathBuf>,
-    /// Estimator of paths to points of light, with --points.
-    #[arg(long, value_enum, default_value_t = Estimator::Connected, requires = "points")]
+    /// Estimator of paths to lights, with --points.
+    #[arg(long, value_enum, default_value_t = Estimator::Bidirectional, requires = "points")]
     pub estimator: Estimator,
     /// Seed of every random number.
     #[arg(long, default_value_t = 1)]
@@ -50,14 +50,16 @@ pub struct TraceArgs {
     pub scene_options: SceneOptions,
 }
 
-/// Estimator of paths to a point light; both are unbiased.
+/// Estimator of paths to lights; all are unbiased.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Estimator {
     /// Next-event estimation alone: the textbook estimator, the same as other path tracers'.
     NextEvent,
-    /// Paths from the lights too, joined to those from the points: less noise, above all for lights near
-    /// surfaces, and the light of mirrors and metals.
+    /// Connections to the first hits of points of light too, as extraction traces its samples.
     Connected,
+    /// Paths from both ends, joined in every way, and light shown by mirrors and polished balls: the
+    /// least noise a path, for lights of every kind; each path takes some five times longer.
+    Bidirectional,
 }
 
 /// Independent estimates a row, for the standard error.
@@ -167,7 +169,8 @@ impl Answers {
     ) -> anyhow::Result<()> {
         let estimator = match args.estimator {
             Estimator::NextEvent => rrf_trace::Estimator::NextEvent,
-            Estimator::Connected => rrf_trace::Estimator::Bidirectional,
+            Estimator::Connected => rrf_trace::Estimator::Connected,
+            Estimator::Bidirectional => rrf_trace::Estimator::Bidirectional,
         };
         let sampling = Sampling {
             paths: args.spp,
