@@ -1,9 +1,8 @@
 //! Ways in which the two ends of a path are joined, each with its share by the balance heuristic.
 
-use super::LIGHT_VERTICES;
 use super::emit::{End, Lights, Sent};
 use super::eye::EyeVertex;
-use super::light::{LightVertex, scattered, sent_to};
+use super::light::{LIGHT_VERTICES, LightVertex, scattered, sent_to};
 use crate::mirrors::NO_MIRROR;
 use crate::tracer::Tracer;
 use glam::Vec3;

@@ -17,7 +17,9 @@ mod emit;
 mod eye;
 mod light;
 mod openings;
+mod pilot;
 mod run;
+mod subpath;
 
 use crate::wave::{Part, Row};
 use emit::Lights;
@@ -29,9 +31,6 @@ use run::Joined;
 
 /// Paths that travel together.
 const BATCH: usize = 256;
-
-/// Vertices of a light subpath beyond the light, at the most.
-pub(crate) const LIGHT_VERTICES: usize = 3;
 
 /// Walks of the pilot that looks for openings, per path of a query; and bounds on their number.
 const WALKS: f64 = 0.25;

@@ -1,28 +1,15 @@
-//! Where light from afar comes in, learned by a pilot: windows, doors and holes in the roof.
+//! Where light from afar comes in: windows, doors and holes in the roof.
 //!
-//! A box about the scene is divided into cells. Walks from a query's point, and rays from their vertices
-//! to the lights, leave the scene through some of them; those cells are then aimed at, by shadow rays
-//! to the sky and by the lights' own rays. All of it is weighed against samplers that aim at the
+//! A box about the scene is divided into cells. Those through which light was seen to come in are
+//! aimed at, by shadow rays to the sky and by the lights' own rays. All of it is weighed against samplers that aim at the
 //! whole sky, so that a cell that was not seen costs noise and nothing else.
 
-use super::emit::{Group, Lights};
-use crate::rays;
-use crate::tracer::Tracer;
-use crate::walk::{Found, Ray, Stack};
-use crate::wave::Row;
 use glam::Vec3;
-use rrf_lights::about;
-use rrf_materials::{INVALID, cosine_hemisphere};
-use rrf_sampling::Stream;
 use rrf_sampling::warp::{by_weight, by_weight_probability};
 
 /// Cells along each side of a face.
 const SIDE: usize = 12;
 const FACE: usize = SIDE * SIDE;
-/// Vertices of a walk that look outside.
-const VERTICES: u32 = 4;
-/// The part of a stream that walks draw from, and blocks a vertex.
-const PART: u32 = 0x6f70_656e;
 
 /// The box and how much each of its cells is aimed at.
 #[derive(Clone, Debug)]
@@ -35,85 +22,7 @@ pub(super) struct Openings {
     all: Vec<f64>,
 }
 
-/// A walk's end so far.
-struct Walker {
-    number: u32,
-    origin: Vec3,
-    direction: Vec3,
-}
-
 impl Openings {
-    /// Learns where light comes in that reaches a row's point, by `walks` walks; none if nothing does.
-    pub(super) fn learn(
-        (tracer, lights): (&Tracer, &Lights),
-        row: &Row,
-        (walks, stream): (u32, Stream),
-        stack: &mut Stack,
-    ) -> Option<Openings> {
-        let [low, high] = tracer.bounds;
-        let margin = Vec3::splat(1e-4 * (high - low).length());
-        let mut seen = Seen {
-            low: low - margin,
-            size: high - low + 2.0 * margin,
-            sums: [vec![0.0; 6 * FACE], vec![0.0; 6 * FACE]],
-        };
-        let stream = stream.part(PART);
-        let mut hits: Vec<Found> = Vec::new();
-        let mut blocked = Vec::new();
-        // the first vertex is the row's own point
-        let mut places: Vec<(u32, crate::surface::Site, Vec3)> = Vec::new();
-        let first = tracer.site(row.point.triangle, row.point.barycentrics);
-        places.extend((0..walks).map(|number| (number, first, row.viewer)));
-        for vertex in 0..VERTICES {
-            let (mut rays, mut walkers) = (Vec::new(), Vec::new());
-            let (mut shadows, mut arriving) = (Vec::new(), Vec::new());
-            for (number, site, v) in &places {
-                let at = site.seen_from(*v);
-                let u = stream.units(row.index, *number, 2 * vertex);
-                let direction = about(at.geometric, cosine_hemisphere([u[0], u[1]]));
-                let origin = site.origin(direction);
-                rays.push(Ray {
-                    origin,
-                    direction,
-                    t_max: f32::INFINITY,
-                });
-                walkers.push(Walker {
-                    number: *number,
-                    origin,
-                    direction,
-                });
-                let w = stream.units(row.index, *number, 2 * vertex + 1);
-                let end = lights.end(Group::Far, None, [w[0], w[1], w[2]]);
-                if let Some(end) = end.filter(|end| at.geometric.dot(end.at) > 0.0) {
-                    let origin = site.origin(end.at);
-                    shadows.push(Ray {
-                        origin,
-                        direction: end.at,
-                        t_max: f32::INFINITY,
-                    });
-                    arriving.push(f64::from(at.geometric.dot(end.at)));
-                }
-            }
-            rays::occluded(&tracer.wide, &shadows, stack, &mut blocked);
-            for ((ray, weight), blocked) in shadows.iter().zip(&arriving).zip(&blocked) {
-                if !blocked {
-                    seen.add(1, ray.origin, ray.direction, *weight);
-                }
-            }
-            rays::closest(&tracer.wide, &rays, stack, &mut hits);
-            places.clear();
-            for (walker, hit) in walkers.iter().zip(&hits) {
-                if hit.triangle == INVALID {
-                    seen.add(0, walker.origin, walker.direction, 1.0);
-                } else {
-                    let site = tracer.site(hit.triangle, hit.barycentrics);
-                    places.push((walker.number, site, -walker.direction));
-                }
-            }
-        }
-        seen.openings()
-    }
-
     /// A point of the box that the weights choose, and its density with respect to area; for light from
     /// `toward` on the faces that it comes in through, else on all.
     pub(super) fn sample(&self, toward: Option<Vec3>, u: [f32; 3]) -> Option<Vec3> {
@@ -196,8 +105,8 @@ impl Openings {
     }
 }
 
-/// What walks have seen.
-struct Seen {
+/// What was seen of a box's cells.
+pub(super) struct Seen {
     low: Vec3,
     size: Vec3,
     /// By walks' own directions and by lights'.
@@ -205,8 +114,18 @@ struct Seen {
 }
 
 impl Seen {
+    /// Nothing, of a box about these corners.
+    pub(super) fn new([low, high]: [Vec3; 2]) -> Seen {
+        let margin = Vec3::splat(1e-4 * (high - low).length());
+        Seen {
+            low: low - margin,
+            size: high - low + 2.0 * margin,
+            sums: [vec![0.0; 6 * FACE], vec![0.0; 6 * FACE]],
+        }
+    }
+
     /// A ray that leaves: its cell counts, and those about it a little.
-    fn add(&mut self, by: usize, origin: Vec3, direction: Vec3, weight: f64) {
+    pub(super) fn add(&mut self, by: usize, origin: Vec3, direction: Vec3, weight: f64) {
         let Some((face, cell, _)) = leaves(self.low, self.size, origin, direction) else {
             return;
         };
@@ -222,7 +141,7 @@ impl Seen {
     }
 
     /// Both kinds of rays count alike.
-    fn openings(self) -> Option<Openings> {
+    pub(super) fn openings(self) -> Option<Openings> {
         let mut weights = vec![0.0; 6 * FACE];
         for sums in &self.sums {
             let total: f64 = sums.iter().sum();
@@ -287,6 +206,7 @@ fn leaves(low: Vec3, size: Vec3, at: Vec3, toward: Vec3) -> Option<(usize, usize
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rrf_sampling::Stream;
 
     fn openings() -> Openings {
         let mut seen = Seen {

@@ -1,16 +1,14 @@
 //! Polished balls, and the image of a light in one.
 
-use super::{Mirrors, Shown};
+use super::image::Shown;
 use crate::facets::Facet;
 use glam::{DMat3, DVec3, Vec2, Vec3};
+use rrf_materials::Lobe;
 use rrf_scene::Scene;
-use std::collections::BTreeMap;
 use std::f32::consts::PI;
 
 /// Balls at the most: each is asked at every vertex.
 pub(super) const MOST_BALLS: usize = 4;
-/// Share of a scene's area that a ball has at least.
-const LEAST_AREA: f64 = 1e-4;
 /// How far, relative to the radius, corners and their normals may be from a sphere's.
 const ROUND: f32 = 1e-2;
 /// Cosine of the angle at which light is reflected below which an image is left out.
@@ -144,40 +142,9 @@ impl BallImage {
     }
 }
 
-impl Mirrors {
-    /// Finds the polished balls of a checked scene: objects of one material with a narrow lobe, whose
-    /// corners and normals are a sphere's.
-    pub(super) fn find_balls(&mut self, scene: &Scene, facets: &[Facet], areas: &[f64]) {
-        let mut groups: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
-        for (id, facet) in facets.iter().enumerate() {
-            let object = scene.triangle_object.get(id).copied().unwrap_or(0);
-            if areas[id] > 0.0 && super::find::even_lobe(scene, facet).is_some() {
-                groups.entry([object, facet.material]).or_default().push(id);
-            }
-        }
-        let total: f64 = areas.iter().sum();
-        let mut found: Vec<(f64, Ball, Vec<usize>)> = Vec::new();
-        for ids in groups.into_values() {
-            let area: f64 = ids.iter().map(|&id| areas[id]).sum();
-            if area >= LEAST_AREA * total {
-                let ball = Ball::over(scene, facets, &ids);
-                found.extend(ball.map(|ball| (area, ball, ids)));
-            }
-        }
-        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
-        found.truncate(MOST_BALLS);
-        for (_, ball, ids) in found {
-            self.of_triangle.resize(facets.len(), super::NO_MIRROR);
-            for id in ids {
-                self.of_triangle[id] = (super::shown::MOST + self.balls.len()) as u8;
-            }
-            self.balls.push(ball);
-        }
-    }
-}
-
 impl Ball {
-    fn over(scene: &Scene, facets: &[Facet], ids: &[usize]) -> Option<Ball> {
+    /// The ball that triangles with this lobe make, if they do.
+    pub(super) fn over(scene: &Scene, facets: &[Facet], ids: &[usize], lobe: Lobe) -> Option<Ball> {
         let corners = || ids.iter().flat_map(|&id| scene.triangles[id]);
         let places = || corners().map(|v| scene.positions[v as usize].as_dvec3());
         let center = sphere_center(places())?.as_vec3();
@@ -198,8 +165,6 @@ impl Ball {
             1.0 - (facet.corner - center).dot(facet.normal).abs() / radius
         });
         let depth = depth.fold(0.0, f32::max);
-        let facet = &facets[*ids.first()?];
-        let lobe = super::find::even_lobe(scene, facet)?;
         Some(Ball {
             center,
             radius,

@@ -1,5 +1,6 @@
 //! Which surfaces of a scene are mirrors.
 
+use super::ball::{Ball, MOST_BALLS};
 use super::image::Mirror;
 use super::shown::{Frames, MOST};
 use super::{Mirrors, NO_MIRROR};
@@ -15,6 +16,8 @@ use std::f32::consts::PI;
 const STRENGTH: f32 = 1.0;
 /// Mirrors are at least this share of the scene's area: smaller ones are parts of something bent.
 const LEAST_AREA: f64 = 1e-3;
+/// Share of a scene's area that a polished ball has at least.
+const LEAST_BALL: f64 = 1e-4;
 /// Grid on which planes count as one, relative to the scene's size.
 const GRID: f64 = 1e-5;
 
@@ -50,6 +53,39 @@ impl Mirrors {
         mirrors.frames = Frames::new(&mirrors.mirrors);
         mirrors.find_balls(scene, facets, areas);
         mirrors
+    }
+}
+
+impl Mirrors {
+    /// Finds the polished balls of a checked scene: objects of one material with a narrow lobe, whose
+    /// corners and normals are a sphere's.
+    fn find_balls(&mut self, scene: &Scene, facets: &[Facet], areas: &[f64]) {
+        let mut groups: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
+        for (id, facet) in facets.iter().enumerate() {
+            let object = scene.triangle_object.get(id).copied().unwrap_or(0);
+            if areas[id] > 0.0 && even_lobe(scene, facet).is_some() {
+                groups.entry([object, facet.material]).or_default().push(id);
+            }
+        }
+        let total: f64 = areas.iter().sum();
+        let mut found: Vec<(f64, Ball, Vec<usize>)> = Vec::new();
+        for ids in groups.into_values() {
+            let area: f64 = ids.iter().map(|&id| areas[id]).sum();
+            if area >= LEAST_BALL * total {
+                let lobe = ids.first().and_then(|&id| even_lobe(scene, &facets[id]));
+                let ball = lobe.and_then(|lobe| Ball::over(scene, facets, &ids, lobe));
+                found.extend(ball.map(|ball| (area, ball, ids)));
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
+        found.truncate(MOST_BALLS);
+        for (_, ball, ids) in found {
+            self.of_triangle.resize(facets.len(), NO_MIRROR);
+            for id in ids {
+                self.of_triangle[id] = (MOST + self.balls.len()) as u8;
+            }
+            self.balls.push(ball);
+        }
     }
 }
 
@@ -99,7 +135,7 @@ fn strength(scene: &Scene, id: usize, facet: &Facet) -> Option<Lobe> {
 }
 
 /// The lobe of a triangle, if it is narrow and the same all over.
-pub(super) fn even_lobe(scene: &Scene, facet: &Facet) -> Option<Lobe> {
+fn even_lobe(scene: &Scene, facet: &Facet) -> Option<Lobe> {
     let material = &scene.materials[facet.material as usize];
     let lobe = (material.kind.lobe)(&Bsdf::of(material))?;
     let even = material.roughness_metallic_texture == INVALID && material.normal_texture == INVALID;

@@ -1,8 +1,31 @@
 //! One mirror, and the image of a light in it.
 
-use super::Shown;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
+
+/// The light that mirrors show: a point, or a direction that light comes from, as homogeneous
+/// coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shown {
+    /// Position, or unit direction.
+    pub(crate) at: Vec3,
+    /// 1 for a position, 0 for a direction.
+    pub(crate) w: f32,
+}
+
+impl Shown {
+    /// A point.
+    #[inline]
+    pub(crate) fn point(at: Vec3) -> Shown {
+        Shown { at, w: 1.0 }
+    }
+
+    /// Light from infinitely far away.
+    #[inline]
+    pub(crate) fn from_afar(toward: Vec3) -> Shown {
+        Shown { at: toward, w: 0.0 }
+    }
+}
 
 /// A flat glossy surface.
 #[derive(Clone, Debug)]

@@ -22,6 +22,7 @@ mod shown;
 use ball::{Ball, BallImage};
 use glam::Vec3;
 use image::Mirror;
+pub(crate) use image::Shown;
 use shown::{Each, Frames, MOST, sum, weights};
 
 /// In place of a mirror's number: none.
@@ -36,30 +37,6 @@ pub(crate) struct Mirrors {
     balls: Vec<Ball>,
     /// Of each triangle, or [`NO_MIRROR`]; empty where there is none at all.
     of_triangle: Vec<u8>,
-}
-
-/// The light that mirrors show: a point, or a direction that light comes from, as homogeneous
-/// coordinates.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Shown {
-    /// Position, or unit direction.
-    pub(crate) at: Vec3,
-    /// 1 for a position, 0 for a direction.
-    pub(crate) w: f32,
-}
-
-impl Shown {
-    /// A point.
-    #[inline]
-    pub(crate) fn point(at: Vec3) -> Shown {
-        Shown { at, w: 1.0 }
-    }
-
-    /// Light from infinitely far away.
-    #[inline]
-    pub(crate) fn from_afar(toward: Vec3) -> Shown {
-        Shown { at: toward, w: 0.0 }
-    }
 }
 
 /// A point to go to.

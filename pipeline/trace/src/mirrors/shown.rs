@@ -1,7 +1,6 @@
 //! How much of a light each mirror shows, for all mirrors at once.
 
-use super::Shown;
-use super::image::Mirror;
+use super::image::{Mirror, Shown};
 use glam::Vec3;
 use multiversion::multiversion;
 
