@@ -3,6 +3,7 @@
 use super::batch::{Batch, scales};
 use super::compress::{DenseRead, clustered};
 use super::config::{CellChoice, TransferConfig};
+use super::level::judged_levels;
 use super::lighting::Lighting;
 use super::sketch::{SketchRow, sign};
 use super::smooth::Smoothed;
@@ -38,8 +39,6 @@ const LEAST_ROWS: usize = 24;
 const MOST_NODES: usize = 1_024;
 /// Rows of a cell that sketches take.
 const SKETCH_ROWS: usize = 6;
-/// Squares of values count as those of a level of at least this share of the mean.
-const FLOOR: f64 = 0.05;
 
 /// The directions of a cell's rows.
 struct Directions {
@@ -350,7 +349,8 @@ impl CellFitter<'_> {
         let (mut sum, mut count) = (0.0f64, 0usize);
         for (l, light) in lights.iter().enumerate() {
             let contracted = [0, 1].map(|part: usize| parts[part].contract(light));
-            for &row in judges {
+            let levels = judged_levels(self.batch, judges, l);
+            for (&row, level) in judges.iter().zip(levels) {
                 let query = &self.batch.table.queries[row as usize];
                 let judged = &self.batch.table.judged[row as usize];
                 let Some(halves) = judged.get(6 * l..6 * l + 6) else {
@@ -362,7 +362,6 @@ impl CellFitter<'_> {
                     [0, 1].map(|part: usize| parts[part].evaluate(query, &contracted[part]));
                 let found = query.base_color * p * base + q * constant;
                 let (a, b) = (Vec3::from_slice(halves), Vec3::from_slice(&halves[3..]));
-                let level = f64::from((a + b).element_sum() / 6.0).max(FLOOR);
                 let off = (found - a) * (found - b);
                 sum += f64::from(off.element_sum() / 3.0) / (level * level);
                 count += 1;

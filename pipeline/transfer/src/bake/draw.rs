@@ -5,7 +5,7 @@ use crate::TransferError;
 use crate::patches::Patches;
 use crate::query::{SurfaceKey, TransferQuery};
 use crate::rows::{RowConfig, RowPoint, trace_rows};
-use crate::tracing::{Stream, Tracer};
+use crate::tracing::{Rays, Stream, Tracer};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -149,7 +149,8 @@ fn beside(tracer: &Tracer, like: &RowPoint, u: [f32; 4]) -> Option<RowPoint> {
     (facing > GRAZING).then_some(RowPoint { point, ..*like })
 }
 
-/// Another point of the same surface around one, uniform over a disk in its plane.
+/// Another point of the same surface around one, uniform over a disk in its plane; none where something
+/// parts the two, such as the wall of a box that stands on the surface.
 pub(crate) fn near(tracer: &Tracer, like: &RowPoint, radius: f32, u: [f32; 4]) -> Option<RowPoint> {
     let own = TransferQuery::of_row(tracer, like);
     let (x, y) = own.geometric.any_orthonormal_pair();
@@ -158,7 +159,19 @@ pub(crate) fn near(tracer: &Tracer, like: &RowPoint, radius: f32, u: [f32; 4]) -
     let point = tracer.locate(place, own.geometric)?;
     let other = TransferQuery::new(tracer, &point, like.viewer);
     let is_same = other.surface == own.surface && other.geometric.dot(own.geometric) > ALIKE;
-    (is_same && other.facing() > GRAZING).then_some(RowPoint { point, ..*like })
+    if !is_same || other.facing() <= GRAZING {
+        return None;
+    }
+    // by way of a place above the one that eyes see
+    let above = own.position + own.geometric * radius;
+    let mut rays = Rays::default();
+    for from in [&like.point, &point] {
+        let origin = tracer.lift(from.triangle, from.position, above - from.position);
+        rays.push(origin, above - origin, 1.0);
+    }
+    let mut blocked = Vec::new();
+    tracer.occluded(&rays, &mut blocked);
+    (!blocked.contains(&true)).then_some(RowPoint { point, ..*like })
 }
 
 /// A surface and which of six ways it faces there.
@@ -166,4 +179,53 @@ fn face(query: &TransferQuery) -> (SurfaceKey, u8) {
     let n = query.geometric;
     let axis = n.abs().max_position() as u8;
     (query.surface, 2 * axis + u8::from(n[axis as usize] < 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tracing::Hits;
+    use glam::Vec3;
+    use rrf_sampling::Stage;
+    use rrf_scene::{LoadOptions, load};
+
+    /// Rows beside rows of the Cornell box's floor never lie under its boxes, from where the ceiling, 2 m
+    /// above, is not seen; and most are found.
+    #[test]
+    fn rows_beside_rows_stay_in_the_open() {
+        let file = "/../../scenes/cornell-box/scene.pbrt";
+        let path = format!("{}{file}", env!("CARGO_MANIFEST_DIR"));
+        let scene = load(path.as_ref(), &LoadOptions::default())
+            .unwrap()
+            .unlit();
+        let tracer = Tracer::new(&scene).unwrap();
+        let is_open = |point: &crate::tracing::SurfacePoint| {
+            let (mut rays, mut hits) = (Rays::default(), Hits::default());
+            let origin = tracer.lift(point.triangle, point.position, Vec3::Y);
+            rays.push(origin, Vec3::Y, f32::INFINITY);
+            tracer.closest(&rays, &mut hits);
+            let hit = tracer.point(hits.triangle[0], hits.barycentrics[0]);
+            hit.position.y > 1.9
+        };
+        let stream = Stream::new(3, Stage::Test, 12);
+        let (mut asked, mut found) = (0, 0);
+        for i in 0..3_000 {
+            let u = stream.units(i, 0, 0);
+            let place = Vec3::new(1.8 * u[0] - 0.9, 0.0, 1.8 * u[1] - 0.9);
+            let Some(point) = tracer.locate(place, Vec3::Y) else {
+                continue;
+            };
+            if point.position.y > 0.01 || !is_open(&point) {
+                continue;
+            }
+            let viewer = Vec3::new(0.3, 1.0, 0.2).normalize();
+            let like = RowPoint { point, viewer };
+            asked += 1;
+            if let Some(other) = near(&tracer, &like, 0.3, stream.units(i, 0, 1)) {
+                assert!(is_open(&other.point), "{:?}", other.point);
+                found += 1;
+            }
+        }
+        assert!(asked > 1_000 && 3 * found > asked, "{found} of {asked}");
+    }
 }
