@@ -126,6 +126,12 @@ pub enum BakeError {
         /// Why.
         why: Halt,
     },
+    /// A transfer's bake was stopped, which keeps nothing before it is done.
+    #[error("stopped by {} before the transfer was done. Nothing of it is kept: `rrf bake --resume` begins anew", match why { Halt::Time => "the time limit", Halt::Interrupt => "a signal" })]
+    TransferHalted {
+        /// Why.
+        why: Halt,
+    },
     /// The run folder disappeared during the work.
     #[error("{path}: the run folder is gone: its disk was removed, or it was moved. Restore it and continue with `rrf bake --resume`", path = path.display())]
     Gone {
@@ -183,6 +189,7 @@ impl BakeError {
         match self {
             BakeError::Store(error) => error.is_bad_input(),
             BakeError::Halted { .. }
+            | BakeError::TransferHalted { .. }
             | BakeError::Unfinished { .. }
             | BakeError::Sync(_)
             | BakeError::Gone { .. } => false,

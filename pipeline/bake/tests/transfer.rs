@@ -6,6 +6,7 @@ use rrf_bake::{
     BakeError, Halt, Preset, Run, TransferBakeConfig, TransferRun, Watch, bake_scene_transfer,
     verify,
 };
+use rrf_extract::Region;
 use rrf_scene::{LoadOptions, Scene, load};
 use rrf_store::model::{TRANSFER_TABLES, model_table_path, read_transfer};
 use std::collections::BTreeMap;
@@ -75,7 +76,7 @@ fn bytes_do_not_depend_on_threads_or_interruptions() {
         let stopped = bake_scene_transfer(&scene, &config, folder.path(), resume, &watch);
         let is_halted = matches!(
             stopped,
-            Err(BakeError::Halted {
+            Err(BakeError::TransferHalted {
                 why: Halt::Interrupt
             })
         );
@@ -96,6 +97,20 @@ fn bytes_do_not_depend_on_threads_or_interruptions() {
         matches!(other, Err(BakeError::OtherRun { .. })),
         "{other:?}"
     );
+}
+
+/// A light box inside a solid is refused before anything is written.
+#[test]
+fn refusals_leave_no_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut config = small(1);
+    config.light_box = Some(Region {
+        minimum: [0.3, 0.1, 0.3],
+        maximum: [0.4, 0.2, 0.4],
+    });
+    let refused = bake_scene_transfer(&cornell(), &config, folder.path(), false, &());
+    assert!(matches!(refused, Err(BakeError::Extract(_))), "{refused:?}");
+    assert!(!folder.path().join("run.json").exists());
 }
 
 /// Every table, damaged in a byte, missing or of another run, is refused and named, and made again.

@@ -17,6 +17,7 @@ mod pictures;
 mod points;
 mod progress;
 mod reach;
+mod residual;
 mod run_location;
 mod scene_file;
 mod stats;

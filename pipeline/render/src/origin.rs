@@ -6,14 +6,15 @@ use glam::Vec3;
 use rrf_lights::OwnLight;
 use rrf_scene::PointLight;
 
-/// Attributes of a frame made by the nets.
+/// Attributes of a frame whose indirect light is that of a model of some method.
 pub(crate) fn of_render(
     view: &View,
     lights: &Lights,
     options: &RenderOptions,
+    method: &str,
 ) -> Vec<(String, String)> {
     let mut attributes = common(view, lights, options.aa.max(1));
-    attributes.push(attribute("rrf.method", "radiance regression"));
+    attributes.push(attribute("rrf.method", method));
     attributes.push(attribute("rrf.part", options.part.name()));
     attributes.push(attribute("rrf.negative", "Keep"));
     attributes

@@ -14,8 +14,8 @@ use rrf_store::layout::remove_unfinished;
 use rrf_store::model::write_transfer;
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    DirectLight, FlatMirrors, TransferError, TransferModel, TransferStage, TransferWatch,
-    bake_transfer, named_light,
+    DirectLight, FlatMirrors, LightConditions, TransferError, TransferModel, TransferStage,
+    TransferWatch, bake_transfer, named_light,
 };
 use std::path::Path;
 
@@ -33,7 +33,7 @@ pub struct TransferOutcome {
 /// again, with the same bytes.
 ///
 /// # Errors
-/// [`BakeError`] of any step; [`BakeError::Halted`] where the watch stops it.
+/// [`BakeError`] of any step; [`BakeError::TransferHalted`] where the watch stops it.
 pub fn bake_scene_transfer(
     scene: &Scene,
     config: &TransferBakeConfig,
@@ -42,6 +42,10 @@ pub fn bake_scene_transfer(
     watch: &dyn Watch,
 ) -> Result<TransferOutcome, BakeError> {
     let unlit = scene.unlit();
+    let tracer = Tracer::new(&unlit)?;
+    // before anything is written: a folder with a manifest counts as a run
+    let space = FreeSpace::new(&unlit, &tracer, config.eye_box, config.seed)?;
+    let conditions = conditions(&unlit, &tracer, &space, config)?;
     let run = TransferRun::create(folder, scene, config, resume)?;
     match run.model(&unlit) {
         Ok((model, lights)) => {
@@ -54,7 +58,7 @@ pub fn bake_scene_transfer(
         Err(error) => return Err(error),
     }
     watch.sync().map_err(BakeError::Sync)?;
-    let (model, lights) = make(scene, &unlit, config, watch)?;
+    let (model, lights) = make(scene, &space, &conditions, config, watch)?;
     remove_unfinished(folder)?;
     write_transfer(folder, &tables(&model, lights), &run.facts())?;
     watch.sync().map_err(BakeError::Sync)?;
@@ -67,27 +71,26 @@ pub fn bake_scene_transfer(
 /// The model, and how many lights it was fitted to.
 pub(super) fn make(
     scene: &Scene,
-    unlit: &Scene,
+    space: &FreeSpace,
+    conditions: &LightConditions,
     config: &TransferBakeConfig,
     watch: &dyn Watch,
 ) -> Result<(TransferModel, u32), BakeError> {
-    let tracer = Tracer::new(unlit)?;
-    let space = FreeSpace::new(unlit, &tracer, config.eye_box, config.seed)?;
-    let conditions = conditions(unlit, &tracer, &space, config)?;
+    let tracer = space.tracer();
     let stream = light_stream(config.seed);
     let names = scene.own_light_names();
     let own = names.iter();
     let own = own.filter_map(|name| named_light(scene, name, stream.part(3)));
     let drawn = conditions.lights(stream.part(4)).into_iter();
     let drawn = drawn.map(|group| Box::new(group) as Box<dyn DirectLight>);
-    let mirrors = FlatMirrors::new(&tracer);
+    let mirrors = FlatMirrors::new(tracer);
     let lights: Vec<_> = drawn.chain(own).map(|light| mirrors.of(light)).collect();
     let lights: Vec<&dyn DirectLight> = lights.iter().map(|l| l as &dyn DirectLight).collect();
     let observer = Observer(watch);
-    let model = bake_transfer(&tracer, &space, &lights, &config.plan(), &observer);
+    let model = bake_transfer(tracer, space, &lights, &config.plan(), &observer);
     watch.end();
     let model = model.map_err(|error| match (error, watch.halted()) {
-        (TransferError::Halted, why) => BakeError::Halted {
+        (TransferError::Halted, why) => BakeError::TransferHalted {
             why: why.unwrap_or(Halt::Interrupt),
         },
         (error, _) => BakeError::Transfer(error),

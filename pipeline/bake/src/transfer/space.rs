@@ -90,6 +90,11 @@ impl<'a> FreeSpace<'a> {
         Ok(space)
     }
 
+    /// The tracer of the scene without its own lights.
+    pub(super) fn tracer(&self) -> &'a Tracer<'a> {
+        self.tracer
+    }
+
     /// The place from which most rays meet a surface, the farthest of them; none where all are
     /// inside solids.
     fn enclosed(

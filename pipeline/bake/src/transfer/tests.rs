@@ -2,13 +2,23 @@
 
 use super::bake::make;
 use super::config::TransferBakeConfig;
+use super::ensemble::conditions;
 use super::read::model as read;
+use super::space::FreeSpace;
 use super::tables::tables;
 use crate::settings::Preset;
-use rrf_scene::{LoadOptions, load};
+use rrf_scene::{LoadOptions, Scene, load};
 use rrf_store::manifest::RunFacts;
 use rrf_store::model::{read_transfer, write_transfer};
+use rrf_trace::Tracer;
 use rrf_transfer::{PartFit, TransferModel};
+
+fn made(scene: &Scene, unlit: &Scene, config: &TransferBakeConfig) -> (TransferModel, u32) {
+    let tracer = Tracer::new(unlit).unwrap();
+    let space = FreeSpace::new(unlit, &tracer, None, config.seed).unwrap();
+    let lights = conditions(unlit, &tracer, &space, config).unwrap();
+    make(scene, &space, &lights, config, &()).unwrap()
+}
 
 /// A glossy scene, so that viewers count and patches have directions, with finer patches in places.
 #[test]
@@ -20,7 +30,7 @@ fn models_come_back_to_the_bit() {
     let mut config = TransferBakeConfig::preset(Preset::Preview, 3);
     (config.patches, config.rows, config.paths) = (100, 300, 32);
     (config.points, config.suns, config.skies) = (30, 4, 2);
-    let (mut model, lights) = make(&scene, &unlit, &config, &()).unwrap();
+    let (mut model, lights) = made(&scene, &unlit, &config);
     let is_net = |part: &PartFit| matches!(part, PartFit::Net(_));
     assert!(model.cells.iter().flat_map(|c| &c.parts).any(is_net));
     // of a cell that no row judged
@@ -63,7 +73,7 @@ fn tables_that_form_no_model_are_refused() {
     let mut config = TransferBakeConfig::preset(Preset::Preview, 1);
     (config.patches, config.rows, config.paths) = (60, 150, 16);
     (config.points, config.suns, config.skies) = (20, 0, 0);
-    let (model, lights) = make(&scene, &unlit, &config, &()).unwrap();
+    let (model, lights) = made(&scene, &unlit, &config);
     let good = tables(&model, lights);
     let run = std::path::Path::new("run");
     read(run, &unlit, good.clone()).unwrap();

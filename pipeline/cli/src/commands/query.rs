@@ -73,9 +73,15 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     let manifest = &baked.manifest;
     let facts = points::facts(&manifest.scene_hash, manifest.seed);
     write_points(&args.output, &table.batch, Table::Answers, added, &facts)?;
+    let why = match baked.nets() {
+        Some(_) => "outside what the model was trained on",
+        None => {
+            "on a surface that no cell knows, outside what its cell was fitted to, under a light that the \
+             cells leave out more than a tenth of"
+        }
+    };
     println!(
-        "{} rows, {untrusted} of them not trusted: outside what the model was trained on, or in a cell with an \
-         error above {:.1} %",
+        "{} rows, {untrusted} of them not trusted: {why}, or in a cell with an error above {:.1} %",
         located.len(),
         100.0 * args.trust.trust_error
     );

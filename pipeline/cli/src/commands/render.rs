@@ -1,10 +1,11 @@
 //! `rrf render`: frames by the baked nets.
 
 use crate::args::{TrustArgs, ViewArgs};
-use crate::baked::Baked;
+use crate::baked::{Baked, ReadyModel};
 use crate::failure::BadInput;
 use crate::film::{Film, FrameFormat};
 use crate::pictures;
+use crate::residual;
 use crate::stats::{self, Clock};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
@@ -161,6 +162,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     };
     let model = baked.ready(&unlit)?;
     let renderer = model.renderer(tracer);
+    if let (ReadyModel::Transfer(book), None, 1) = (&model, &args.path, args.frames) {
+        residual::warn(book, &baked.scene, lights)?;
+    }
     options.noise = noise(args, &renderer, &shots[0], &options)?;
     let (mut frame, mut clock) = (Frame::default(), Clock::default());
     for shot in &shots {

@@ -42,6 +42,14 @@ pub(super) struct Answers {
 }
 
 impl<'a> Baked<'a> {
+    /// Name of the method.
+    pub(super) fn method(&self) -> &'static str {
+        match self {
+            Baked::Nets(_) => "radiance regression",
+            Baked::Transfer(_) => "direct-to-indirect transfer",
+        }
+    }
+
     /// The model under lights; `proxies` stand for the lamps where nets know points alone.
     pub(super) fn under(
         self,

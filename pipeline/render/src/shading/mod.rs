@@ -129,7 +129,7 @@ impl<'a> Renderer<'a> {
             })
             .collect::<Result<Vec<FrameTimings>, RenderError>>()?;
         layers.give_to(frame, options);
-        frame.attributes = origin::of_render(view, lights, options);
+        frame.attributes = origin::of_render(view, lights, options, self.baked.method());
         let mut sum = FrameTimings::default();
         sum.0[FrameStage::Coefficients as usize] = coefficients;
         timings.iter().for_each(|timings| sum.add(timings));
