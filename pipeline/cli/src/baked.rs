@@ -44,6 +44,7 @@ pub struct BakedNets {
     pub field: Field,
     /// Borders of its cells.
     pub borders: Borders,
+    traces_narrow: bool,
     tree: ModelTree,
 }
 
@@ -74,7 +75,7 @@ impl Baked {
         let spans = spans(&model.tree);
         distrust(&mut model.tree, &metrics, f64::from(trust_error));
         let field = Field::new(model.tree.tree.clone(), model.cells)?;
-        let eye_box = run.config.extract.eye_box;
+        let (eye_box, narrow) = (run.config.extract.eye_box, run.config.extract.narrow);
         Ok(Baked {
             unlit: scene.clone().unlit(),
             scene,
@@ -83,6 +84,7 @@ impl Baked {
             model: BakedModel::Nets(BakedNets {
                 borders: Borders::new(&field, spans),
                 field,
+                traces_narrow: !narrow.is_learned(),
                 tree: model.tree,
             }),
             _location: location,
@@ -163,6 +165,11 @@ impl Baked {
         lights.area && !self.scene.area_lights.is_empty()
     }
 
+    /// Whether the light of narrow parts is traced, since the model was made without it.
+    pub fn traces_narrow(&self) -> bool {
+        self.nets().is_some_and(|nets| nets.traces_narrow)
+    }
+
     /// Whether the nets were trained for each of the rows, and well enough. A transfer says so of
     /// itself, with each answer.
     pub fn trusted(&self, rows: &Columns) -> Vec<bool> {
@@ -175,7 +182,9 @@ impl<'a> ReadyModel<'a> {
     /// A renderer of frames of `tracer`'s scene.
     pub fn renderer(&'a self, tracer: &'a Tracer<'a>) -> Renderer<'a> {
         match self {
-            ReadyModel::Nets(nets) => Renderer::new(tracer, &nets.field),
+            ReadyModel::Nets(nets) => {
+                Renderer::new(tracer, &nets.field).tracing_narrow(nets.traces_narrow)
+            }
             ReadyModel::Transfer(book) => Renderer::of_transfer(tracer, book),
         }
     }

@@ -13,6 +13,7 @@ mod commands;
 mod failure;
 mod film;
 mod memory;
+mod narrow;
 mod pictures;
 mod points;
 mod progress;

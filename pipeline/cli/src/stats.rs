@@ -1,6 +1,6 @@
 //! `--json-stats`: what frames cost, stage by stage.
 
-use rrf_render::{FrameStage, FrameTimings, Lights, View};
+use rrf_render::{FrameStage, FrameTimings, Lights, MOST_FOLLOWED, View};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -42,11 +42,14 @@ pub fn report(clock: &Clock, view: &View, lights: &Lights) -> Value {
         let seconds = median(shares.iter().map(|s| s[k]).collect());
         json!({ "stage": name, "processor_ms": 1e3 * seconds, "ns_per_pixel": per_pixel(seconds) })
     };
-    // nets that answer for lights have no coefficients
-    let coefficients = FrameStage::Coefficients as usize;
+    // nets that answer for lights have no coefficients, and rooms without mirrors no followed rays
+    let optional = [
+        FrameStage::Coefficients as usize,
+        FrameStage::FollowedRays as usize,
+    ];
     let took_time = |k: usize| shares.iter().any(|s| s[k] > 0.0);
     let stages = FrameStage::NAMES.into_iter().enumerate();
-    let stages = stages.filter(|&(k, _)| k != coefficients || took_time(k));
+    let stages = stages.filter(|&(k, _)| !optional.contains(&k) || took_time(k));
     let stages = stages.map(stage);
     let of_nets = FrameStage::OF_NETS.map(|stage| stage as usize);
     let of_nets = shares.iter().map(|s| of_nets.iter().map(|&k| s[k]).sum());
@@ -61,8 +64,20 @@ pub fn report(clock: &Clock, view: &View, lights: &Lights) -> Value {
         "frames_per_second": 1.0 / wall,
         "processor_ms": 1e3 * median(clock.processor.clone()),
         "indirect_ns_per_pixel_and_core": per_pixel(median(of_nets.collect())),
+        "followed_rays": followed_rays(clock),
         "stages": stages.collect::<Vec<Value>>(),
     })
+}
+
+/// Rays that were followed from the first surface of a chain on, from the second and so on, in the last
+/// frame; the longest chains end the list.
+fn followed_rays(clock: &Clock) -> Vec<u64> {
+    let counts = clock.timings.last().map_or([0; MOST_FOLLOWED], |t| t.1);
+    let longest = counts
+        .iter()
+        .rposition(|&rays| rays > 0)
+        .map_or(0, |k| k + 1);
+    counts[..longest].to_vec()
 }
 
 /// A frame's processor time shared out over its stages by their thread time.

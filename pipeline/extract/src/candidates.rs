@@ -7,6 +7,7 @@
 //! what cannot be learned and, where eyes are given, what none of them sees.
 
 use crate::census::{Census, Rejection};
+use crate::config::NarrowLight;
 use crate::eyes::Eyes;
 use crate::patches::Patches;
 use crate::region::Region;
@@ -36,6 +37,7 @@ pub struct Proposal<'a> {
     tracer: &'a Tracer<'a>,
     visibility: &'a VisibilityQueries<'a>,
     eyes: Option<&'a Eyes>,
+    narrow: NarrowLight,
     patches: Patches,
     domain: Domain,
     light: Region,
@@ -59,6 +61,7 @@ impl<'a> Proposal<'a> {
             tracer,
             visibility,
             eyes: None,
+            narrow: NarrowLight::Learned,
             patches,
             domain,
             light,
@@ -69,6 +72,11 @@ impl<'a> Proposal<'a> {
     /// Keeps the points that one of some eyes sees.
     pub fn seen_by(self, eyes: Option<&'a Eyes>) -> Proposal<'a> {
         Proposal { eyes, ..self }
+    }
+
+    /// Leaves out points that have nothing but a narrow part, if that is traced.
+    pub fn without_traced(self, narrow: NarrowLight) -> Proposal<'a> {
+        Proposal { narrow, ..self }
     }
 
     /// Candidate `k`.
@@ -99,7 +107,11 @@ impl<'a> Proposal<'a> {
         if !self.domain.contains(&raw) {
             return Err(Rejection::OtherCell);
         }
-        if material.is_black() {
+        let learned = match self.narrow {
+            NarrowLight::Learned => Some(material),
+            NarrowLight::Traced => material.broad(),
+        };
+        if learned.is_none_or(|learned| learned.is_black()) {
             return Err(Rejection::Black);
         }
         let unseen = |eyes: &Eyes| !eyes.see(self.visibility, &surface, side, scratch);

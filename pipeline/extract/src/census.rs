@@ -15,7 +15,7 @@ pub enum Rejection {
     Unseen,
     /// No ray of the point's hemisphere hits anything: no indirect light can arrive.
     SeesNothing,
-    /// The surface reflects nothing.
+    /// The surface reflects nothing that is learned.
     Black,
 }
 
@@ -35,7 +35,7 @@ pub struct Census {
     pub unseen: u64,
     /// Points whose hemisphere is empty.
     pub sees_nothing: u64,
-    /// Points on surfaces that reflect nothing.
+    /// Points on surfaces that reflect nothing that is learned.
     pub black: u64,
 }
 

@@ -6,6 +6,25 @@ use crate::region::Region;
 use rrf_scene::Bounds;
 use serde::{Deserialize, Serialize};
 
+/// What becomes of the light that a surface's narrow part sends: mirrors, glass, and lobes of a
+/// roughness below `rrf_materials::BROAD_ROUGHNESS`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NarrowLight {
+    /// It is part of the targets, as in runs before version 0.8.
+    #[default]
+    Learned,
+    /// Targets leave it out; frames and queries trace it.
+    Traced,
+}
+
+impl NarrowLight {
+    /// Whether targets hold it.
+    pub fn is_learned(&self) -> bool {
+        *self == NarrowLight::Learned
+    }
+}
+
 /// Settings of plan and extraction, recorded in the run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExtractConfig {
@@ -26,6 +45,9 @@ pub struct ExtractConfig {
     pub fewest_rows: u32,
     /// Paths a row, even: half go to each half estimate.
     pub paths: u32,
+    /// What becomes of narrow parts' light. Scenes without narrow parts say nothing of it.
+    #[serde(default, skip_serializing_if = "NarrowLight::is_learned")]
+    pub narrow: NarrowLight,
     /// Weights of a unit of each column group in the first tree.
     pub weights: Weights,
 }

@@ -1,17 +1,18 @@
 //! Half estimates of accepted rows.
 
 use crate::candidates::Accepted;
+use crate::config::NarrowLight;
 use crate::error::ExtractError;
 use glam::Vec3;
 use rrf_field::columns;
 use rrf_sampling::Stream;
-use rrf_trace::{Queries, Tracer, indirect};
+use rrf_trace::{Queries, Sampling, Tracer, broad_indirect, indirect};
 
-/// Two independent half estimates [W/(sr m^2)] of every accepted row.
+/// Two independent half estimates [W/(sr m^2)] of every accepted row, by so many paths.
 pub(crate) fn trace_halves(
     tracer: &Tracer,
     accepted: &Accepted,
-    paths: u32,
+    (paths, narrow): (u32, NarrowLight),
     stream: Stream,
 ) -> Result<[Vec<[f32; 3]>; 2], ExtractError> {
     let column = |first| -> Vec<Vec3> {
@@ -25,7 +26,14 @@ pub(crate) fn trace_halves(
         viewers: &viewers,
         lights: &lights,
     };
-    let estimates = indirect(tracer, queries, paths, 2, stream, 0)?;
+    let sampling = Sampling {
+        paths,
+        replicates: 2,
+    };
+    let estimates = match narrow {
+        NarrowLight::Learned => indirect(tracer, queries, paths, 2, stream, 0)?,
+        NarrowLight::Traced => broad_indirect(tracer, queries, sampling, stream, 0)?,
+    };
     let half = |h: usize| {
         (0..estimates.len())
             .map(|q| estimates.halves(q)[h].to_array())

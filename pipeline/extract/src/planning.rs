@@ -74,7 +74,8 @@ pub fn plan(
         seed,
     )
     .ok_or_else(|| nothing(Census::default()))?
-    .seen_by(eyes.as_ref());
+    .seen_by(eyes.as_ref())
+    .without_traced(config.narrow);
     let drawn = accept(&proposal, config.candidates as usize, PATIENCE);
     if drawn.rows.is_empty() {
         return Err(nothing(drawn.census));
@@ -95,16 +96,20 @@ pub fn plan(
         cells: share_out(&counts, config),
         tree,
         lambert,
-        mean_luminance: mean_luminance(tracer, &drawn, config.seed)?,
+        mean_luminance: mean_luminance(tracer, &drawn, config)?,
         census: drawn.census,
     })
 }
 
 /// The pilot: what a row is worth on average, which decides below which luminance errors count
 /// absolutely (ε).
-fn mean_luminance(tracer: &Tracer, drawn: &Accepted, seed: u64) -> Result<f32, ExtractError> {
-    let stream = Stream::new(seed, Stage::Pilot, 0);
-    let halves = trace_halves(tracer, drawn, PILOT_PATHS, stream)?;
+fn mean_luminance(
+    tracer: &Tracer,
+    drawn: &Accepted,
+    config: &ExtractConfig,
+) -> Result<f32, ExtractError> {
+    let stream = Stream::new(config.seed, Stage::Pilot, 0);
+    let halves = trace_halves(tracer, drawn, (PILOT_PATHS, config.narrow), stream)?;
     let sum: f64 = halves
         .iter()
         .flatten()

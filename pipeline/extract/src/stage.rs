@@ -2,6 +2,7 @@
 
 use crate::candidates::{Proposal, accept};
 use crate::census::Census;
+use crate::config::NarrowLight;
 use crate::error::ExtractError;
 use crate::eyes::Eyes;
 use crate::halves::trace_halves;
@@ -30,6 +31,8 @@ pub struct Draw {
     pub rows: u32,
     /// Paths a row, even: half go to each half estimate.
     pub paths: u32,
+    /// What becomes of narrow parts' light.
+    pub narrow: NarrowLight,
 }
 
 /// Rows drawn and traced, and what was left out on the way to them.
@@ -59,10 +62,11 @@ pub fn extract(
 ) -> Result<Drawn, ExtractError> {
     let scramble = sequence_seed(seed, u64::from(draw.stream) + FIRST_STREAM);
     let accepted = Proposal::new(scene, tracer, visibility, draw.domain, light_box, scramble)
-        .map(|proposal| accept(&proposal.seen_by(eyes), draw.rows as usize, PATIENCE))
+        .map(|proposal| proposal.seen_by(eyes).without_traced(draw.narrow))
+        .map(|proposal| accept(&proposal, draw.rows as usize, PATIENCE))
         .unwrap_or_default();
     let stream = Stream::new(seed, Stage::Extract, draw.stream);
-    let halves = trace_halves(tracer, &accepted, draw.paths, stream)?;
+    let halves = trace_halves(tracer, &accepted, (draw.paths, draw.narrow), stream)?;
     let first = u64::from(draw.stream) << 32;
     Ok(Drawn {
         index: accepted.index.iter().map(|k| first + k).collect(),

@@ -4,7 +4,7 @@
 //! glass, and metals and coats that are nearly smooth. [`Bsdf::broad`] and [`Bsdf::narrow`] are
 //! materials of their own with value, density and sampler, and the two values sum to the whole.
 
-use crate::{Bsdf, Parts};
+use crate::{Bsdf, INVALID, Material, Parameter, Parts};
 
 impl Bsdf {
     /// The part that nets can answer for, as a material of its own; `None` if there is none.
@@ -34,5 +34,15 @@ impl Bsdf {
             parts: part,
             ..*self
         })
+    }
+}
+
+impl Material {
+    /// Whether it has a narrow part somewhere, whatever its textures hold there.
+    pub fn may_be_narrow(&self) -> bool {
+        let constants = Bsdf::of(self);
+        let textured = |parameter: &Parameter| parameter.texture != INVALID;
+        let varies = self.roughness_metallic_texture != INVALID || self.own.iter().any(textured);
+        constants.narrow().is_some() || varies && (self.kind.lobe)(&constants).is_some()
     }
 }

@@ -21,6 +21,12 @@ pub struct Frame {
     pub cell: Option<Vec<u32>>,
     /// Share of the pixel's samples within what the nets were trained for, 0 to 1.
     pub trust: Option<Vec<f32>>,
+    /// Reflectance of what the camera sees.
+    pub albedo: Option<Vec<Vec3>>,
+    /// Its shading normal, world frame.
+    pub normal: Option<Vec<Vec3>>,
+    /// Its distance along the viewing direction \[m\].
+    pub depth: Option<Vec<f32>>,
     /// Named facts about the frame: program version, view, lights, options.
     pub attributes: Vec<(String, String)>,
 }

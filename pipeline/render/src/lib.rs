@@ -30,8 +30,10 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod auxiliary;
 mod direct;
 mod error;
+mod follow;
 mod frame;
 mod io;
 mod options;
@@ -44,8 +46,10 @@ mod traced;
 mod view;
 mod warnings;
 
+pub use auxiliary::{Auxiliary, add_auxiliary};
 pub use direct::ShadowRays;
 pub use error::RenderError;
+pub use follow::{AnswerMet, MOST_FOLLOWED, MetPoints, NarrowQueries, narrow_light};
 pub use frame::Frame;
 pub use io::{camera_path, exr, png};
 pub use options::{Part, RenderOptions, Trusted};

@@ -59,6 +59,9 @@ pub struct RenderOptions<'a> {
     pub noise: Option<f32>,
     /// With it the frame has a trust layer.
     pub trusted: Option<&'a Trusted<'a>>,
+    /// Final gather: rays that each camera ray sends on from broad surfaces, where direct light and
+    /// the model answer in place of the model at the surface itself. 0: none.
+    pub gather: u32,
     /// Borders of cells, if their nets are to be blended there. Takes the lights one by one.
     pub borders: Option<&'a Borders>,
 }

@@ -1,5 +1,6 @@
 //! A tile of the image: its camera rays and what they meet, as columns.
 
+use crate::follow::Carried;
 use crate::view::View;
 use glam::Vec3;
 use rrf_field::columns::{self, Columns};
@@ -44,7 +45,8 @@ impl Tile {
     }
 }
 
-/// The surface points that a tile's camera rays meet; rays that miss have no row.
+/// The surface points that a tile's camera rays, or the rays that go on from there, meet; rays that
+/// miss have no row.
 /// Made once a thread and used for tile after tile.
 #[derive(Clone, Debug, Default)]
 pub struct VisiblePoints {
@@ -60,7 +62,9 @@ pub struct VisiblePoints {
     pub materials: Vec<Bsdf>,
     /// Pixel of each row, counted over the tile's band of the picture.
     pub pixel: Vec<u32>,
-    /// Pixel and direction of each ray that met nothing.
+    /// What the ray of each row carries.
+    pub carried: Vec<Carried>,
+    /// Pixel and direction of each camera ray that met nothing.
     pub missed: Vec<(u32, Vec3)>,
     rays: Rays,
     ray_pixel: Vec<u32>,
@@ -108,30 +112,95 @@ impl VisiblePoints {
         }
     }
 
-    /// The rows of what the rays met.
+    /// The rows of what the camera rays met.
     pub fn read_hits(&mut self, tracer: &Tracer) {
+        self.clear();
+        let (rays, ray_pixel) = (
+            std::mem::take(&mut self.rays),
+            std::mem::take(&mut self.ray_pixel),
+        );
+        let hits = std::mem::take(&mut self.hits);
+        let met = hits.triangle.iter().zip(&hits.barycentrics);
+        for ((&direction, &pixel), (&triangle, &at)) in
+            rays.direction.iter().zip(&ray_pixel).zip(met)
+        {
+            match triangle {
+                INVALID => self.missed.push((pixel, direction)),
+                _ => self.push(tracer, (triangle, at), direction, Carried::camera(pixel)),
+            }
+        }
+        (self.rays, self.ray_pixel, self.hits) = (rays, ray_pixel, hits);
+        self.fill_columns();
+    }
+
+    /// The rows of the surfaces that followed rays met and that are to be shaded.
+    pub fn read_followed(
+        &mut self,
+        tracer: &Tracer,
+        (rays, carried): (&Rays, &[Carried]),
+        hits: &Hits,
+    ) {
+        self.clear();
+        let met = hits.triangle.iter().zip(&hits.barycentrics);
+        let rays = rays.direction.iter().zip(carried);
+        for ((&direction, &carried), (&triangle, &at)) in rays.zip(met) {
+            if triangle != INVALID && carried.surface {
+                self.push(tracer, (triangle, at), direction, carried);
+            }
+        }
+        self.fill_columns();
+    }
+
+    /// Rows of given points, seen from given directions; their pixels count on from `first`.
+    pub fn read_points(
+        &mut self,
+        tracer: &Tracer,
+        points: &[SurfacePoint],
+        viewers: &[Vec3],
+        first: u32,
+    ) {
+        self.clear();
+        for ((pixel, point), &viewer) in (first..).zip(points).zip(viewers) {
+            let at = (point.triangle, point.barycentrics);
+            self.push(tracer, at, -viewer, Carried::camera(pixel));
+        }
+        self.fill_columns();
+    }
+
+    fn clear(&mut self) {
         self.points.clear();
         self.normals.clear();
         self.viewers.clear();
         self.materials.clear();
         self.pixel.clear();
+        self.carried.clear();
         self.missed.clear();
-        let rays = self.rays.direction.iter().zip(&self.ray_pixel);
-        let hits = self.hits.triangle.iter().zip(&self.hits.barycentrics);
-        for ((&direction, &pixel), (&triangle, &barycentrics)) in rays.zip(hits) {
-            if triangle == INVALID {
-                self.missed.push((pixel, direction));
-                continue;
-            }
-            let point = tracer.point(triangle, barycentrics);
-            let (normal, material) = tracer.shading_at(&point, -direction);
-            self.points.push(point);
-            self.normals.push(normal);
-            self.viewers.push(-direction);
-            self.materials.push(material);
-            self.pixel.push(pixel);
+    }
+
+    fn push(
+        &mut self,
+        tracer: &Tracer,
+        (triangle, barycentrics): (u32, [f32; 2]),
+        direction: Vec3,
+        carried: Carried,
+    ) {
+        let point = tracer.point(triangle, barycentrics);
+        let (normal, material) = tracer.shading_at(&point, -direction);
+        self.points.push(point);
+        self.normals.push(normal);
+        self.viewers.push(-direction);
+        self.materials.push(material);
+        self.pixel.push(carried.pixel);
+        self.carried.push(carried);
+    }
+
+    /// Unit geometric normal of a row on the viewer's side.
+    pub fn side(&self, row: usize) -> Vec3 {
+        let normal = self.points[row].normal;
+        match normal.dot(self.viewers[row]) < 0.0 {
+            true => -normal,
+            false => normal,
         }
-        self.fill_columns();
     }
 
     /// The raw columns, from the rows.

@@ -1,5 +1,6 @@
 //! Times of a frame's stages.
 
+use crate::follow::MOST_FOLLOWED;
 use rrf_field::EvaluationTimings;
 use std::time::{Duration, Instant};
 
@@ -24,11 +25,13 @@ pub enum FrameStage {
     Resolve,
     /// Coefficients of the lights in a transfer, once a frame.
     Coefficients,
+    /// Rays made and traced that go on from a surface: mirrors, glass, final gather.
+    FollowedRays,
 }
 
 impl FrameStage {
     /// Name of each stage, in the order of work.
-    pub const NAMES: [&str; 9] = [
+    pub const NAMES: [&str; 10] = [
         "primary_rays",
         "points",
         "direct",
@@ -38,6 +41,7 @@ impl FrameStage {
         "nets",
         "resolve",
         "coefficients",
+        "followed_rays",
     ];
 
     /// The stages of the nets.
@@ -45,15 +49,22 @@ impl FrameStage {
 }
 
 /// Time of each stage of a frame, summed over the threads that worked on it; the wall time of a
-/// frame is about their sum divided by the threads.
+/// frame is about their sum divided by the threads. Beside it the rays that were followed from the
+/// first surface on, from the second and so on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FrameTimings(pub [Duration; FrameStage::NAMES.len()]);
+pub struct FrameTimings(
+    pub [Duration; FrameStage::NAMES.len()],
+    pub [u64; MOST_FOLLOWED],
+);
 
 impl FrameTimings {
     /// Adds another thread's times.
     pub fn add(&mut self, other: &FrameTimings) {
         for (sum, time) in self.0.iter_mut().zip(other.0) {
             *sum += time;
+        }
+        for (sum, rays) in self.1.iter_mut().zip(other.1) {
+            *sum += rays;
         }
     }
 }

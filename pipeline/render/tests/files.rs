@@ -29,6 +29,9 @@ fn frame() -> Frame {
             ("rrf.lights".to_string(), "0,1,2 π".to_string()),
             ("rrf.version".to_string(), "0.1.0".to_string()),
         ],
+        albedo: Some(layer(0.5)),
+        normal: Some(layer(0.3)),
+        depth: Some((0..count).map(|i| 1e10 / (1 + i) as f32).collect()),
     }
 }
 

@@ -25,4 +25,6 @@ pub enum Stage {
     LightProxy = 8,
     /// Rows and fits of a transfer model; the cell is 0 for rows, 1 for fits.
     Transfer = 9,
+    /// Rays that frames follow; the cell is how many surfaces they have met.
+    Followed = 10,
 }

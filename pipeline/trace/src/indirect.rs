@@ -68,21 +68,53 @@ pub fn indirect_with(
     stream: Stream,
     first_index: u64,
 ) -> Result<Estimates, TraceError> {
-    queries.check()?;
-    let each = sampling.each()?;
     let part = Part {
         tracer,
         source: Source::Point {
             connect: estimator != Estimator::NextEvent,
         },
         direct: false,
+        broad: false,
         keep: KEEP,
         stream,
     };
+    estimate_queries((&part, estimator), queries, sampling, first_index)
+}
+
+/// [`indirect`] of the broad part of each query's surface alone
+/// ([`rrf_materials::Bsdf::broad`]): the light that its narrow part sends is left out, whether it came from
+/// a mirror or not. The same bits as [`indirect`] where a surface has no narrow part.
+pub fn broad_indirect(
+    tracer: &Tracer,
+    queries: Queries,
+    sampling: Sampling,
+    stream: Stream,
+    first_index: u64,
+) -> Result<Estimates, TraceError> {
+    let part = Part {
+        tracer,
+        source: Source::Point { connect: true },
+        direct: false,
+        broad: true,
+        keep: KEEP,
+        stream,
+    };
+    let estimator = Estimator::Connected;
+    estimate_queries((&part, estimator), queries, sampling, first_index)
+}
+
+fn estimate_queries(
+    (part, estimator): (&Part, Estimator),
+    queries: Queries,
+    sampling: Sampling,
+    first_index: u64,
+) -> Result<Estimates, TraceError> {
+    queries.check()?;
+    let each = sampling.each()?;
     let rows = queries.rows(sampling.replicates, first_index);
     Ok(Estimates {
         replicates: sampling.replicates as usize,
-        values: estimator.estimate(&part, &rows, each),
+        values: estimator.estimate(part, &rows, each),
     })
 }
 

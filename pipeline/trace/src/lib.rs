@@ -32,7 +32,7 @@ mod wave;
 
 pub use error::TraceError;
 pub use estimates::{Estimates, Sampling};
-pub use indirect::{Estimator, Queries, indirect, indirect_with};
+pub use indirect::{Estimator, Queries, broad_indirect, indirect, indirect_with};
 pub use light_set::LightSet;
 pub use own_light::{Illumination, Reflections, lamp_light, own_light, sun_light};
 pub use rays::{Hits, Rays};

@@ -98,6 +98,7 @@ pub fn own_light(
             connect: !direct && illumination.estimator != Estimator::NextEvent,
         },
         direct,
+        broad: false,
         keep: KEEP,
         stream,
     };
@@ -145,6 +146,7 @@ pub fn sun_light(
         tracer,
         source: Source::Sun,
         direct: false,
+        broad: false,
         keep: KEEP,
         stream,
     };

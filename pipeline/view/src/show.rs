@@ -23,6 +23,8 @@ pub struct Show<'a> {
     pub surroundings: Surroundings<'a>,
     /// What answers for its indirect light.
     pub model: ShownModel<'a>,
+    /// Whether mirrors, glass and other narrow lobes are traced, since the model does not know them.
+    pub traces_narrow: bool,
     /// Which rows nets were trained for.
     pub trusted: &'a Trusted<'a>,
     /// The view that a page starts with.
@@ -41,10 +43,11 @@ impl<'a> Show<'a> {
 
     /// A renderer for one viewer.
     pub fn renderer(&self) -> Renderer<'a> {
-        match self.model {
+        let renderer = match self.model {
             ShownModel::Nets(field) => Renderer::new(self.tracer(), field),
             ShownModel::Transfer(book) => Renderer::of_transfer(self.tracer(), book),
-        }
+        };
+        renderer.tracing_narrow(self.traces_narrow)
     }
 
     /// Facts that a page needs before its first question.

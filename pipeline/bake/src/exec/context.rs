@@ -2,7 +2,7 @@
 
 use crate::error::BakeError;
 use crate::settings::BakeConfig;
-use rrf_extract::{Eyes, VisibilityQueries};
+use rrf_extract::{Eyes, NarrowLight, VisibilityQueries};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 
@@ -12,6 +12,7 @@ pub struct SamplingContext<'a> {
     pub(crate) tracer: &'a Tracer<'a>,
     pub(crate) visibility: VisibilityQueries<'a>,
     pub(crate) eyes: Option<Eyes>,
+    pub(crate) narrow: NarrowLight,
 }
 
 impl<'a> SamplingContext<'a> {
@@ -32,6 +33,7 @@ impl<'a> SamplingContext<'a> {
             scene,
             tracer,
             eyes: eyes.transpose()?,
+            narrow: config.extract.narrow,
             visibility,
         })
     }

@@ -75,6 +75,7 @@ fn drawn(
         domain: bounds.domain(),
         rows: request.rows,
         paths: request.paths,
+        narrow: context.narrow,
     };
     let drawn = rrf_extract::extract(
         context.scene,

@@ -6,7 +6,7 @@ use crate::plan::shard::{CellTasks, RoundFacts, SHARD_TASKS, ShardEntry, TaskSha
 use crate::plan::task::{Task, TaskKind};
 use crate::policy::cost;
 use crate::settings::BakeConfig;
-use rrf_extract::Region;
+use rrf_extract::{NarrowLight, Region};
 use rrf_store::layout::TEST;
 use rrf_store::manifest::RunManifest;
 use rrf_store::task_table::TaskRow;
@@ -176,6 +176,8 @@ struct PartInput<'a> {
     light_box: [f32; 6],
     #[serde(skip_serializing_if = "Option::is_none")]
     eye_box: Option<Region>,
+    #[serde(skip_serializing_if = "NarrowLight::is_learned")]
+    narrow: NarrowLight,
     stream: u32,
     draw: &'a DrawPlan,
     /// The boxes of the cell and of the draw.
@@ -230,6 +232,7 @@ impl RunInputs<'_> {
             seed: self.manifest.seed,
             light_box: self.manifest.light_box,
             eye_box: self.config.extract.eye_box,
+            narrow: self.config.extract.narrow,
             stream: part.draw,
             draw,
             boxes: [cell.leaf.bits(), bounds.bits()],

@@ -15,7 +15,7 @@ pub use scene::SceneOptions;
 
 use clap::{Args, ValueEnum};
 use parse::{input, positive, region};
-use rrf_extract::{ExtractConfig, ExtractError, Region, Weights};
+use rrf_extract::{ExtractConfig, ExtractError, NarrowLight, Region, Weights};
 use rrf_scene::{LightUnits, LoadOptions, Scene, SkyOption};
 use rrf_train::{LmConfig, Precision, TrainConfig};
 use serde::{Deserialize, Serialize};
@@ -157,6 +157,7 @@ impl BakeConfig {
                 rows,
                 fewest_rows: 1_000,
                 paths,
+                narrow: NarrowLight::Learned,
                 weights: Weights::default(),
             },
             train,

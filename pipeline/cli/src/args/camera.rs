@@ -9,7 +9,7 @@ use glam::Vec3;
 use rrf_bake::settings::parse::{number, positive};
 use rrf_lights::{DistantLight, LightSource, OwnLight, sky_direction};
 use rrf_metrics::tone::Exposure;
-use rrf_render::{Lights, View, position_text};
+use rrf_render::{Auxiliary, Lights, View, position_text};
 use rrf_scene::{PointLight, Scene};
 use rrf_store::points::SUN;
 use std::borrow::Cow;
@@ -79,9 +79,23 @@ pub struct ViewArgs {
     /// Camera rays a pixel are N x N.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub aa: u32,
+    /// Layers of what the camera sees, beside the light, in EXR files.
+    #[arg(long, value_enum, value_name = "LAYER,...", value_delimiter = ',')]
+    pub aov: Vec<Aov>,
     /// Exposure of the PNG in stops; by default chosen from the picture and printed.
     #[arg(long, value_name = "STOPS", allow_hyphen_values = true, value_parser = number)]
     pub exposure: Option<f32>,
+}
+
+/// A layer for denoisers and compositing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Aov {
+    /// Reflectance, of metals their specular colour: albedo.R, albedo.G, albedo.B.
+    Albedo,
+    /// Shading normal, world frame: normal.X, normal.Y, normal.Z.
+    Normal,
+    /// Distance along the viewing direction in metres: Z.
+    Depth,
 }
 
 /// Which part of the light a picture shows.
@@ -225,6 +239,16 @@ impl ViewArgs {
             Part::Direct => rrf_render::Part::Direct,
             Part::Indirect => rrf_render::Part::Indirect,
         }
+    }
+
+    /// The layers typed.
+    pub fn auxiliary(&self) -> Vec<Auxiliary> {
+        let layer = |aov: &Aov| match aov {
+            Aov::Albedo => Auxiliary::Albedo,
+            Aov::Normal => Auxiliary::Normal,
+            Aov::Depth => Auxiliary::Depth,
+        };
+        self.aov.iter().map(layer).collect()
     }
 
     /// The exposure typed.

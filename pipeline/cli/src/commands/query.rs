@@ -4,8 +4,8 @@ use super::render::NO_BLEND;
 use crate::args::TrustArgs;
 use crate::baked::{Baked, BakedNets, ReadyModel};
 use crate::failure::BadInput;
-use crate::points;
 use crate::transfer_rows::{self, RowAnswers};
+use crate::{narrow, points};
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
 use clap::Args;
 use rrf_extract::{PointClass, VisibilityQueries};
@@ -19,7 +19,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Compute the model's indirect radiance at the points of a table.
+/// Compute the model's indirect radiance at the points of a table. What mirrors, glass and other narrow
+/// lobes show is traced.
 #[derive(Args, Clone, Debug)]
 pub struct QueryArgs {
     /// The run folder, baked.
@@ -53,7 +54,12 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
         trusted,
     } = match baked.ready(&tracer)? {
         ReadyModel::Nets(nets) => {
-            by_nets(args, &baked, nets, &points::rows(&tracer, &table, &located))?
+            let rows = points::rows(&tracer, &table, &located);
+            let mut answers = by_nets(args, &baked, nets, &rows)?;
+            if baked.traces_narrow() {
+                narrow::complete(&baked, nets, &tracer, (&table, &located), &mut answers)?;
+            }
+            answers
         }
         ReadyModel::Transfer(_) if args.blend => return Err(BadInput(NO_BLEND.into()).into()),
         ReadyModel::Transfer(book) => {

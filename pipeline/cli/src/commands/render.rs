@@ -16,7 +16,8 @@ use rrf_metrics::color::luminance;
 use rrf_metrics::tone::Exposure;
 use rrf_render::camera_path::{Shot, read_camera_path};
 use rrf_render::{
-    Frame, PathOptions, RenderOptions, Renderer, ShadowRays, Surroundings, View, trace_untrusted,
+    Frame, PathOptions, RenderOptions, Renderer, ShadowRays, Surroundings, View, add_auxiliary,
+    trace_untrusted,
 };
 use rrf_trace::Tracer;
 use std::collections::BTreeSet;
@@ -64,6 +65,10 @@ pub struct RenderArgs {
     /// Choice of a light for each shadow ray.
     #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
     pub light_sampling: LightSampling,
+    /// Final gather: N rays from each broad surface, where direct light and the nets answer in place of
+    /// the nets at the surface itself. Smaller errors for more time.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=4096))]
+    pub gather: u32,
     /// Render also what is refused otherwise: an eye or a light inside a solid, a light on a
     /// surface.
     #[arg(long)]
@@ -155,6 +160,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         noise: None,
         // asks again for every row: not where time is measured
         trusted: (film.is_none() && args.json_stats.is_none()).then_some(&trusted),
+        gather: args.gather,
         borders: baked
             .nets()
             .filter(|_| args.blend)
@@ -173,6 +179,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
             let timings = renderer.render(&shot.view, &shot.lights, &options, &mut frame)?;
             clock.stop(timings);
         }
+        let (aa, layers) = (args.view.aa, args.view.auxiliary());
+        add_auxiliary(tracer, &shot.view, aa, &layers, &mut frame);
         if let Some(film) = &mut film {
             film.add(&frame)?;
         }

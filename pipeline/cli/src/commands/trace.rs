@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use glam::Vec3;
 use indicatif::ProgressBar;
 use rrf_bake::settings::SceneOptions;
-use rrf_render::PathOptions;
+use rrf_render::{PathOptions, add_auxiliary};
 use rrf_scene::Scene;
 use rrf_store::Limits;
 use rrf_store::points::{PointsTable, check_ending, read_points, write_points};
@@ -34,7 +34,7 @@ pub struct TraceArgs {
     /// Points table: indirect radiance at its rows instead of a picture. A column `light` names each
     /// row's light: `point` (1 W/sr at l; where there is no name), `sun` (1 W/m² from direction l)
     /// or a light of the scene.
-    #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "up", "mirror", "light", "scene_lights", "part", "aa", "exposure", "fov", "size", "sun", "dim", "moves", "own_lights"])]
+    #[arg(long, value_name = "IN.parquet", conflicts_with_all = ["eye", "look_at", "up", "mirror", "light", "scene_lights", "part", "aa", "aov", "exposure", "fov", "size", "sun", "dim", "moves", "own_lights"])]
     pub points: Option<PathBuf>,
     /// Estimator of paths to lights, with --points.
     #[arg(long, value_enum, default_value_t = Estimator::Bidirectional, requires = "points")]
@@ -97,8 +97,15 @@ fn trace_frame(args: &TraceArgs, scene: &Scene, quiet: bool) -> anyhow::Result<(
         seed: args.seed,
     };
     let progress = |rows| bar.inc(rows);
-    let frame = rrf_render::trace_frame(&tracer, &view, &lights, options, &progress)?;
+    let mut frame = rrf_render::trace_frame(&tracer, &view, &lights, options, &progress)?;
     bar.finish_and_clear();
+    add_auxiliary(
+        &tracer,
+        &view,
+        args.view.aa,
+        &args.view.auxiliary(),
+        &mut frame,
+    );
     pictures::write(frame, &args.view, &args.output)
 }
 

@@ -60,6 +60,7 @@ pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
             ReadyModel::Nets(nets) => ShownModel::Nets(&nets.field),
             ReadyModel::Transfer(book) => ShownModel::Transfer(book),
         },
+        traces_narrow: baked.traces_narrow(),
         trusted: &|rows| baked.trusted(rows),
         view: start,
         lights,

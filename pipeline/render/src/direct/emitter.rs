@@ -1,6 +1,7 @@
 //! Lights as cells: point lights, and pieces of emitting triangles, each chosen as a whole.
 
 use glam::{Vec2, Vec3};
+use rrf_metrics::color::luminance;
 use rrf_scene::{AreaLight, PointLight, Scene};
 
 /// Cells that lamps are cut into, together, at the most; a triangle that is cut becomes four.
@@ -20,6 +21,9 @@ pub struct Emitter {
     /// Unit normal of the emitting side; zero for a point.
     normal: Vec3,
     two_sided: bool,
+    /// Luminance of the radiance of the lamp that it is a piece of, pictures left out; zero for a
+    /// point, which no ray meets.
+    pub level: f32,
     /// Radiant intensity [W/sr] of a point; radiance times area of a triangle, its intensity
     /// along the normal.
     pub intensity: Vec3,
@@ -32,6 +36,7 @@ impl From<&PointLight> for Emitter {
             edges: [Vec3::ZERO; 2],
             normal: Vec3::ZERO,
             two_sided: false,
+            level: 0.0,
             intensity: light.intensity,
         }
     }
@@ -46,6 +51,7 @@ impl Emitter {
             edges,
             normal: doubled.try_normalize()?,
             two_sided,
+            level: luminance(radiance),
             intensity: 0.5 * doubled.length() * radiance,
         };
         (radiance != Vec3::ZERO).then_some(emitter)
@@ -161,7 +167,11 @@ fn pieces<'s>(
             _ => part.map(|at| a + (b - a) * at.x + (c - a) * at.y),
         };
         let share = scene.mean_share_of(triangle, part);
-        Emitter::triangle(corners, light.radiance * share, light.two_sided)
+        let piece = Emitter::triangle(corners, light.radiance * share, light.two_sided)?;
+        Some(Emitter {
+            level: luminance(light.radiance),
+            ..piece
+        })
     })
 }
 

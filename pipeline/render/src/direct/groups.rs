@@ -5,6 +5,7 @@ use super::light_tree::LightTree;
 use crate::tile::VisiblePoints;
 use glam::Vec3;
 use rrf_lights::LightSource;
+use rrf_materials::Bsdf;
 use rrf_metrics::color::luminance;
 
 /// Side of a block in pixels.
@@ -16,6 +17,8 @@ const LEAST_SEEN: f32 = 0.1;
 const BROAD: f32 = 0.7;
 /// Base level of surfaces, for lobes beside it.
 const LEAST_BASE: f32 = 0.05;
+/// Shadow rays that a row is taken to have.
+const USUAL_RAYS: f32 = 16.0;
 
 /// Lights to be sampled: those with a place, and those from afar.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +46,30 @@ impl<'f> SampledLights<'f> {
         }
     }
 
+    /// How much light could arrive at a point whose surface faces `side`: what the choice among
+    /// lights is made by, material left out.
+    pub(crate) fn level_at(&self, at: Vec3, side: Vec3) -> f32 {
+        let groups = (0..self.tree.groups()).map(|group| self.tree.reach(group, at, side).0);
+        groups.chain(self.far_level.iter().copied()).sum()
+    }
+
+    /// About the density [1/sr] of a row's shadow rays to a lamp of some level, where lights of
+    /// [`SampledLights::level_at`] arrive. The weights of shadow rays and of the rays that meet lamps
+    /// by themselves follow from it; an approximation does no harm, since they sum to one.
+    pub(crate) fn shadow_density(level: f32, all: f32) -> f32 {
+        USUAL_RAYS * level / all.max(f32::MIN_POSITIVE)
+    }
+
+    /// Radiance that a ray brings from afar; `rival` as in [`crate::follow::Carried`].
+    pub(crate) fn far_beside_shadow_rays(&self, at: Vec3, toward: Vec3, rival: f32) -> Vec3 {
+        let lights = self.far.iter().zip(&self.far_level);
+        let weighted = lights.map(|(light, level)| {
+            let density = level * light.density(at, toward).max(f32::MIN_POSITIVE);
+            light.radiance(toward) / (1.0 + rival * density)
+        });
+        weighted.sum()
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.emitters.is_empty() && self.far.is_empty()
     }
@@ -57,15 +84,17 @@ impl<'f> SampledLights<'f> {
         self.tree.groups() + self.far.len()
     }
 
-    /// How much of each group's light could leave a visible point, in proportion, appended.
-    pub(crate) fn reach(&self, seen: &VisiblePoints, row: usize, reach: &mut Vec<f32>) {
-        let (point, v) = (&seen.points[row], seen.viewers[row]);
-        let (normal, material) = (seen.normals[row], &seen.materials[row]);
-        let side = if point.normal.dot(v) < 0.0 {
-            -point.normal
-        } else {
-            point.normal
-        };
+    /// How much of each group's light could leave a visible point by `material`, in proportion,
+    /// appended.
+    pub(crate) fn reach(
+        &self,
+        seen: &VisiblePoints,
+        row: usize,
+        material: &Bsdf,
+        reach: &mut Vec<f32>,
+    ) {
+        let (point, v, normal) = (&seen.points[row], seen.viewers[row], seen.normals[row]);
+        let side = seen.side(row);
         let base = luminance(material.base_color).max(LEAST_BASE) / std::f32::consts::PI;
         // beside an even lobe, the light of the group's middle alone where the lobe is another
         let lobe = |l: Vec3| {
@@ -96,6 +125,9 @@ pub(crate) struct End {
     pub(crate) place: Option<Vec3>,
     /// Unoccluded irradiance on a surface square to it [W/m²].
     pub(crate) irradiance: Vec3,
+    /// Level of the lamp, times its own density if it is afar; `None` for points, which rays do not
+    /// meet.
+    pub(crate) level: Option<f32>,
 }
 
 impl SampledLights<'_> {
@@ -115,6 +147,7 @@ impl SampledLights<'_> {
                 toward: arrival.toward,
                 place: None,
                 irradiance: arrival.irradiance,
+                level: arrival.density.map(|density| density * self.far_level[far]),
             });
         };
         let place = emitter.place(u);
@@ -122,6 +155,7 @@ impl SampledLights<'_> {
             toward: (place - x).normalize_or_zero(),
             place: Some(emitter.before(place, x)),
             irradiance: emitter.arriving(place, x),
+            level: (emitter.level > 0.0).then_some(emitter.level),
         })
     }
 
@@ -134,9 +168,7 @@ impl SampledLights<'_> {
         u: [f32; 2],
     ) -> Option<(End, f32)> {
         let Some(far) = (group as usize).checked_sub(self.tree.groups()) else {
-            let point = &seen.points[row];
-            let back = point.normal.dot(seen.viewers[row]) < 0.0;
-            let side = if back { -point.normal } else { point.normal };
+            let (point, side) = (&seen.points[row], seen.side(row));
             let (light, share) = self
                 .tree
                 .choose(group as usize, point.position, side, left)?;

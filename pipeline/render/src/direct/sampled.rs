@@ -12,7 +12,7 @@
 //! ones, would not be.)
 
 use super::groups::{BlockVisibility, End, SampledLights};
-use crate::tile::VisiblePoints;
+use super::rows::Rows;
 use crate::timings::{FrameStage, Stopwatch};
 use glam::Vec3;
 use rrf_metrics::color::luminance;
@@ -98,7 +98,7 @@ pub(crate) type Pixels = (u64, u32);
 /// Parameters that all rays of a tile share.
 struct Aim<'a> {
     tracer: &'a Tracer<'a>,
-    seen: &'a VisiblePoints,
+    rows: Rows<'a>,
     lights: &'a SampledLights<'a>,
     plan: ShadowRays,
     stream: Stream,
@@ -107,54 +107,57 @@ struct Aim<'a> {
 }
 
 impl SampledLighting {
-    /// Estimates the light that each visible point sends to its viewer straight from `lights`.
-    /// Random numbers belong to pixels.
+    /// Estimates the light that each visible point sends to its viewer straight from `lights`, less
+    /// that of lamps which its own rays bring. Random numbers belong to pixels.
     pub fn shade(
         &mut self,
         tracer: &Tracer,
-        seen: &VisiblePoints,
+        rows: Rows,
         lights: &SampledLights,
         plan: ShadowRays,
         (first, width): Pixels,
         watch: &mut Stopwatch,
     ) {
-        let rows = seen.points.len();
+        let (seen, count) = (rows.seen, rows.seen.points.len());
         self.radiance.clear();
-        self.radiance.resize(rows, Vec3::ZERO);
+        self.radiance.resize(count, Vec3::ZERO);
         if lights.is_empty() || plan.count == 0 {
             return;
         }
         let aim = Aim {
             tracer,
-            seen,
+            rows,
             lights,
             plan,
-            stream: Stream::new(plan.seed, Stage::Direct, 0),
+            stream: Stream::new(plan.seed, Stage::Direct, rows.depth),
             first,
         };
         self.counts.clear();
         let Some(rounds) = Rounds::of(plan) else {
-            self.counts.resize(rows, plan.count);
+            self.counts
+                .extend((0..count).map(|row| rows.worth(row, plan.count)));
             self.round(&aim, 0, watch);
             self.add(1.0);
             return;
         };
         self.reach.clear();
-        for row in 0..rows {
-            lights.reach(seen, row, &mut self.reach);
+        for row in 0..count {
+            lights.reach(seen, row, rows.asking(row), &mut self.reach);
         }
         self.learned.begin(seen, lights.groups(), width);
-        self.counts.resize(rows, rounds.first);
+        self.counts
+            .extend((0..count).map(|row| rows.worth(row, rounds.first)));
         self.round(&aim, 0, watch);
         self.add(rounds.first_weight);
-        self.plan_second(plan, rounds, seen);
+        self.plan_second(plan, rounds, rows);
         self.round(&aim, 1, watch);
         self.add(1.0 - rounds.first_weight);
     }
 
     /// One round's shadow rays, traced and summed.
     fn round(&mut self, aim: &Aim, number: u32, watch: &mut Stopwatch) {
-        let rows = aim.seen.points.len();
+        let seen = aim.rows.seen;
+        let rows = seen.points.len();
         self.sums.clear();
         self.sums.resize(rows, Vec3::ZERO);
         self.squares.clear();
@@ -163,7 +166,7 @@ impl SampledLighting {
         self.arriving.clear();
         let mut before = (u32::MAX, 0);
         for row in 0..rows {
-            let pixel = aim.seen.pixel[row];
+            let pixel = seen.pixel[row];
             before = (pixel, if pixel == before.0 { before.1 + 1 } else { 0 });
             self.aim_row(aim, row, number, before.1);
         }
@@ -186,7 +189,7 @@ impl SampledLighting {
 
     /// One row's shadow rays; `sub` is its place among its pixel's.
     fn aim_row(&mut self, aim: &Aim, row: usize, number: u32, sub: u32) {
-        let (seen, lights) = (aim.seen, aim.lights);
+        let (seen, lights) = (aim.rows.seen, aim.lights);
         let index = aim.first + u64::from(seen.pixel[row]);
         let total = if aim.plan.adaptive {
             self.accumulate(lights.groups(), row, number > 0)
@@ -223,12 +226,13 @@ impl SampledLighting {
 
     /// Queues the shadow ray to a light, if it could add something.
     fn send(&mut self, aim: &Aim, row: usize, group: u32, end: End, probability: f32) {
-        let (seen, point) = (aim.seen, &aim.seen.points[row]);
-        let (normal, v) = (seen.normals[row], seen.viewers[row]);
+        let seen = aim.rows.seen;
+        let (point, v) = (&seen.points[row], seen.viewers[row]);
         if point.normal.dot(end.toward) * point.normal.dot(v) <= 0.0 {
             return;
         }
-        let value = seen.materials[row].eval(normal, v, end.toward);
+        let all = || aim.lights.level_at(point.position, seen.side(row));
+        let value = aim.rows.value(row, &end, &all);
         let value = end.irradiance * value / probability;
         if value == Vec3::ZERO {
             return;
@@ -289,39 +293,33 @@ impl SampledLighting {
     }
 
     /// Rays of each row in the second round, from the variance of the first.
-    fn plan_second(&mut self, plan: ShadowRays, rounds: Rounds, seen: &VisiblePoints) {
+    fn plan_second(&mut self, plan: ShadowRays, rounds: Rounds, rows: Rows) {
         let Some(noise) = plan.noise else {
-            self.counts.fill(rounds.second);
+            let counts = self.counts.iter_mut().enumerate();
+            counts.for_each(|(row, count)| *count = rows.worth(row, rounds.second));
             return;
         };
-        let count = rounds.first as f32;
         let variance = |row: usize| {
+            let count = self.counts[row] as f32;
             let mean = luminance(self.sums[row]) / count;
-            ((self.squares[row] - count * mean * mean) / (count - 1.0).max(1.0)).max(0.0)
+            let own = (self.squares[row] - count * mean * mean) / (count - 1.0).max(1.0);
+            own.max(0.0) * rows.throughput(row) * rows.throughput(row)
         };
         let variances: Vec<f32> = (0..self.counts.len()).map(variance).collect();
         for (row, &variance) in variances.iter().enumerate() {
             self.learned.note_variance(row, variance);
         }
-        let rays_of_pixel = rays_of_pixels(seen);
+        let allowances = rows.allowances();
         for (row, &own) in variances.iter().enumerate() {
             // a pixel's rays may have missed what its neighbours found
             let variance = own.max(self.learned.variance(row));
-            let bound = noise * noise * rays_of_pixel[row] as f32;
+            let bound = noise * noise * allowances[row];
             let wanted = (variance / bound).ceil();
             let most = plan.count.saturating_sub(rounds.first).max(1);
-            self.counts[row] = (wanted as u32).clamp(SECOND.min(most), most);
+            let least = rows.worth(row, SECOND.min(most));
+            self.counts[row] = (wanted as u32).clamp(least, most);
         }
     }
-}
-
-/// How many rows share each row's pixel: a pixel's rows stand together.
-fn rays_of_pixels(seen: &VisiblePoints) -> Vec<u32> {
-    let mut rays = Vec::with_capacity(seen.pixel.len());
-    for pixel in seen.pixel.chunk_by(|a, b| a == b) {
-        rays.resize(rays.len() + pixel.len(), pixel.len() as u32);
-    }
-    rays
 }
 
 /// Rays of two rounds, and the weight of the first.

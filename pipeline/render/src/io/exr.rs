@@ -1,5 +1,6 @@
 //! OpenEXR files: one part, 32-bit floats, layers by dotted channel names
-//! (`R G B`, `direct.R …`, `indirect.R …`, `cell.id` as uint, `trust.Y`), as tev and Nuke read them.
+//! (`R G B`, `direct.R …`, `indirect.R …`, `cell.id` as uint, `trust.Y`, `albedo.R …`, `normal.X …`,
+//! `Z`), as tev and Nuke read them.
 //! A frame's origin stands in the standard attribute `comments`, a line a fact.
 
 use super::replace::replace_file;
@@ -25,15 +26,21 @@ const ENCODING: Encoding = Encoding {
 /// Writes a frame, whole or not at all.
 pub fn write_exr(path: &Path, frame: &Frame) -> Result<(), RenderError> {
     let mut channels = Vec::new();
-    push_rgb(&mut channels, "", &frame.full);
-    for (name, layer) in [("direct.", &frame.direct), ("indirect.", &frame.indirect)] {
+    push_layer(&mut channels, "", RGB, &frame.full);
+    for (name, axes, layer) in [
+        ("direct.", RGB, &frame.direct),
+        ("indirect.", RGB, &frame.indirect),
+        ("albedo.", RGB, &frame.albedo),
+        ("normal.", ["X", "Y", "Z"], &frame.normal),
+    ] {
         if let Some(layer) = layer {
-            push_rgb(&mut channels, name, layer);
+            push_layer(&mut channels, name, axes, layer);
         }
     }
     let cell = frame.cell.clone().map(FlatSamples::U32);
     let trust = frame.trust.clone().map(FlatSamples::F32);
-    for (name, samples) in [("cell.id", cell), ("trust.Y", trust)] {
+    let depth = frame.depth.clone().map(FlatSamples::F32);
+    for (name, samples) in [("cell.id", cell), ("trust.Y", trust), ("Z", depth)] {
         channels.extend(samples.map(|samples| AnyChannel::new(text(name), samples)));
     }
     // One standard attribute: named ones of our own would be written in no fixed order.
@@ -58,8 +65,15 @@ pub fn write_exr(path: &Path, frame: &Frame) -> Result<(), RenderError> {
     })
 }
 
-fn push_rgb(channels: &mut Vec<AnyChannel<FlatSamples>>, layer: &str, pixels: &[Vec3]) {
-    for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
+const RGB: [&str; 3] = ["R", "G", "B"];
+
+fn push_layer(
+    channels: &mut Vec<AnyChannel<FlatSamples>>,
+    layer: &str,
+    axes: [&str; 3],
+    pixels: &[Vec3],
+) {
+    for (i, name) in axes.into_iter().enumerate() {
         let samples = pixels.iter().map(|p| p[i]).collect();
         let name = text(&format!("{layer}{name}"));
         channels.push(AnyChannel::new(name, FlatSamples::F32(samples)));

@@ -55,6 +55,8 @@ pub fn read_exr_frame(path: &Path) -> Result<Frame, RenderError> {
         Some(_) => file.picture(part, name).map(|picture| Some(picture.pixels)),
         None => Ok(None),
     };
+    let numbers =
+        |name: &str| -> Option<Vec<f32>> { Some(channel(part, name)?.values_as_f32().collect()) };
     let comments = part.attributes.comments.as_ref();
     let facts = comments.map(ToString::to_string).unwrap_or_default();
     let facts = facts.lines().filter_map(|line| line.split_once(": "));
@@ -68,9 +70,18 @@ pub fn read_exr_frame(path: &Path) -> Result<Frame, RenderError> {
             Some(FlatSamples::U32(ids)) => Some(ids.clone()),
             _ => None,
         },
-        trust: (channel(part, "trust.Y")).map(|samples| samples.values_as_f32().collect()),
+        trust: numbers("trust.Y"),
+        albedo: layer("albedo")?,
+        normal: vectors(["normal.X", "normal.Y", "normal.Z"].map(numbers)),
+        depth: numbers("Z"),
         attributes: facts.map(|(a, b)| (a.to_string(), b.to_string())).collect(),
     })
+}
+
+/// Vectors of three columns, if all of them are there.
+fn vectors([x, y, z]: [Option<Vec<f32>>; 3]) -> Option<Vec<Vec3>> {
+    let rows = x?.into_iter().zip(y?).zip(z?);
+    Some(rows.map(|((x, y), z)| Vec3::new(x, y, z)).collect())
 }
 
 type Part = Layer<AnyChannels<FlatSamples>>;

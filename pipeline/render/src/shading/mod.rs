@@ -1,27 +1,28 @@
 //! A frame by the nets: what the camera sees, its direct light, its indirect light.
 //!
-//! [`Renderer::render`] hands out bands of tiles; a tile's pixels are shaded in `Job::shade`.
+//! [`Renderer::render`] hands out bands of tiles; a tile's pixels are shaded in `Job::shade`, which
+//! goes on to what mirrors and glass show.
 
 mod blend;
 mod indirect;
+mod job;
 mod layers;
 
+use crate::direct::SampledLights;
 use crate::direct::emitter::Emitter;
-use crate::direct::{PointLighting, SampledLighting, SampledLights, ShadowRays};
 use crate::error::RenderError;
+use crate::follow::Following;
 use crate::frame::Frame;
-use crate::options::RenderOptions;
+use crate::options::{Part, RenderOptions};
 use crate::origin;
-use crate::tile::{Tile, VisiblePoints};
+use crate::tile::Tile;
 use crate::timings::{FrameStage, FrameTimings, Stopwatch};
 use crate::view::{Lights, View};
-use glam::Vec3;
-use indirect::{Answers, Baked, Lit};
-use layers::{Band, Layers};
+use indirect::{Baked, Lit};
+use job::{Job, Work};
+use layers::Layers;
 use rayon::prelude::*;
 use rrf_field::Field;
-use rrf_lights::LightSource;
-use rrf_scene::PointLight;
 use rrf_trace::Tracer;
 use rrf_transfer::LightBook;
 use std::sync::{Mutex, MutexGuard};
@@ -33,38 +34,9 @@ pub use indirect::MOST_RESIDUAL;
 pub struct Renderer<'a> {
     tracer: &'a Tracer<'a>,
     baked: Baked<'a>,
+    /// Whether narrow parts are traced: the model does not answer for them.
+    traces_narrow: bool,
     idle: Mutex<Vec<Work>>,
-}
-
-/// Columns that a thread works with, tile after tile.
-#[derive(Default)]
-struct Work {
-    seen: VisiblePoints,
-    point_lighting: PointLighting,
-    sampled_lighting: SampledLighting,
-    answers: Answers,
-    watch: Stopwatch,
-}
-
-/// A frame to shade: everything that its tiles share.
-struct Job<'f> {
-    tracer: &'f Tracer<'f>,
-    view: &'f View,
-    /// Point lights by exact shadow rays.
-    points: &'f [PointLight],
-    /// Lights of other kinds that shine from one direction each, exact too.
-    sharp: Vec<&'f LightSource>,
-    /// Lights to be sampled.
-    sampled: SampledLights<'f>,
-    /// Whether surfaces may shine themselves.
-    emission: bool,
-    /// The model under the lights.
-    lit: Lit<'f>,
-    options: &'f RenderOptions<'f>,
-    /// Camera rays a side of a pixel.
-    side: u32,
-    /// Share of a camera ray in its pixel.
-    weight: f32,
 }
 
 /// Renders `view` under `lights`. Layers: the parts asked for, and with the indirect part
@@ -89,6 +61,7 @@ impl<'a> Renderer<'a> {
         Renderer {
             tracer,
             baked: Baked::Nets(field),
+            traces_narrow: false,
             idle: Mutex::default(),
         }
     }
@@ -99,7 +72,17 @@ impl<'a> Renderer<'a> {
         Renderer {
             tracer,
             baked: Baked::Transfer(book),
+            traces_narrow: false,
             idle: Mutex::default(),
+        }
+    }
+
+    /// Traces mirrors, glass and other narrow lobes, if so told: for models that were baked without
+    /// their light. Otherwise the model answers for the whole of every surface.
+    pub fn tracing_narrow(self, traces_narrow: bool) -> Renderer<'a> {
+        Renderer {
+            traces_narrow,
+            ..self
         }
     }
 
@@ -165,13 +148,25 @@ impl<'a> Renderer<'a> {
         let emitters = sampled.iter().map(Emitter::from).chain(pieces);
         let sources = lights.sources.iter().map(|light| &light.source);
         let (visible, sharp): (Vec<_>, Vec<_>) = sources.partition(|s| s.is_visible());
+        let sampled = SampledLights::new(emitters.collect(), visible);
+        let shines = area_lights.is_some() || !sampled.far.is_empty();
+        let has_lobes = crate::follow::has_lobes(self.tracer.scene());
+        let following = Following {
+            narrow: self.traces_narrow && has_lobes && options.part != Part::Direct,
+            lamps: shines && has_lobes,
+            gather: match options.part {
+                Part::Direct => 0,
+                _ => options.gather,
+            },
+        };
         let job = Job {
             tracer: self.tracer,
             view,
             points: exact,
             sharp,
-            sampled: SampledLights::new(emitters.collect(), visible),
+            sampled,
             emission: area_lights.is_some(),
+            following,
             lit,
             options,
             side,
@@ -184,99 +179,5 @@ impl<'a> Renderer<'a> {
     /// poisoned, but never half changed.
     fn idle(&self) -> MutexGuard<'_, Vec<Work>> {
         self.idle.lock().unwrap_or_else(|p| p.into_inner())
-    }
-}
-
-impl Job<'_> {
-    /// Shades a tile: camera rays, rows of what they meet, direct light, nets, layers.
-    fn shade(&self, work: &mut Work, tile: Tile, band: &mut Band) -> Result<(), RenderError> {
-        work.watch.restart();
-        work.seen.shoot(self.tracer, self.view, tile, self.side);
-        work.watch.end(FrameStage::PrimaryRays);
-        work.seen.read_hits(self.tracer);
-        work.watch.end(FrameStage::Points);
-        band.clear(tile, self.view.width);
-        if self.options.part.has_direct() {
-            self.add_direct(work, tile, band);
-        }
-        if self.options.part.has_indirect() {
-            self.add_indirect(work, tile, band)?;
-        }
-        band.sum(tile, self.view.width);
-        work.watch.end(FrameStage::Resolve);
-        Ok(())
-    }
-
-    /// Adds light straight from the lights, and what the surface sends out itself.
-    fn add_direct(&self, work: &mut Work, tile: Tile, band: &mut Band) {
-        let (seen, watch) = (&work.seen, &mut work.watch);
-        watch.end(FrameStage::Resolve);
-        let exact = &mut work.point_lighting;
-        exact.shade(self.tracer, seen, (self.points, &self.sharp), watch);
-        self.add(band.direct, seen, exact.radiance.iter().copied());
-        if !self.sampled.is_empty() {
-            watch.end(FrameStage::Resolve);
-            let options = self.options;
-            let plan = options
-                .shadow_rays
-                .unwrap_or_else(|| ShadowRays::down_to(options.noise));
-            let first = u64::from(tile.y) * u64::from(self.view.width);
-            let (sampled, pixels) = (&mut work.sampled_lighting, (first, self.view.width));
-            sampled.shade(self.tracer, seen, &self.sampled, plan, pixels, watch);
-            self.add(band.direct, seen, sampled.radiance.iter().copied());
-        }
-        if self.emission {
-            let shining = seen.points.iter().zip(&seen.viewers);
-            let emitted = shining.map(|(point, &v)| self.tracer.emission(point, v));
-            self.add(band.direct, seen, emitted);
-        }
-        for &(pixel, direction) in &seen.missed {
-            let from_afar: Vec3 = self.sampled.far.iter().map(|s| s.radiance(direction)).sum();
-            band.direct[pixel as usize] += self.weight * from_afar;
-        }
-        watch.end(FrameStage::Resolve);
-    }
-
-    /// Adds a radiance a visible point to the layer's pixels.
-    fn add(&self, layer: &mut [Vec3], seen: &VisiblePoints, radiance: impl Iterator<Item = Vec3>) {
-        for (&pixel, radiance) in seen.pixel.iter().zip(radiance) {
-            layer[pixel as usize] += self.weight * radiance;
-        }
-    }
-
-    /// Adds the model's light at the visible points, and which cells gave it.
-    fn add_indirect(
-        &self,
-        work: &mut Work,
-        tile: Tile,
-        band: &mut Band,
-    ) -> Result<(), RenderError> {
-        let Work {
-            seen,
-            answers,
-            watch,
-            ..
-        } = work;
-        let first = u64::from(tile.y) * u64::from(self.view.width) + u64::from(tile.x);
-        (self.lit).evaluate(self.tracer, seen, self.options, first, answers, watch)?;
-        let [r, g, b] = &answers.radiance;
-        let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);
-        for (&pixel, (((&r, &g), &b), material)) in seen.pixel.iter().zip(rgb) {
-            // no net was trained on what sends no light, such as a lamp
-            if !material.is_black() {
-                band.indirect[pixel as usize] += self.weight * Vec3::new(r, g, b);
-            }
-        }
-        // Of the pixel's first ray that hit, which comes last here.
-        for (&pixel, &cell) in seen.pixel.iter().zip(&answers.cells).rev() {
-            band.cell[pixel as usize] = cell;
-        }
-        if let Some(trusted) = self.options.trusted {
-            let trust = self.lit.trust(trusted, seen, answers);
-            for (&pixel, trust) in seen.pixel.iter().zip(trust) {
-                band.trust[pixel as usize] += if trust { self.weight } else { 0.0 };
-            }
-        }
-        Ok(())
     }
 }

@@ -56,9 +56,8 @@ pub fn trace_frame(
         full,
         direct: Some(direct),
         indirect: Some(indirect),
-        cell: None,
-        trust: None,
         attributes,
+        ..Frame::default()
     })
 }
 

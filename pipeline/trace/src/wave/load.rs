@@ -4,11 +4,13 @@ use super::lanes::Vertices;
 use super::path::{Path, PathLight};
 use super::random::Draws;
 use super::run::Batch;
+use rrf_materials::Bsdf;
 
 /// Copies paths at their vertices, and their points of light where they have some, into a tile's
 /// columns.
 pub(super) fn load<'a>(
     batch: &Batch,
+    bounce: u32,
     paths: impl Iterator<Item = &'a Path>,
     lights: &[PathLight],
     vertices: &mut Vertices,
@@ -19,7 +21,10 @@ pub(super) fn load<'a>(
     vertices.surfaces.materials.clear();
     for (i, path) in paths.enumerate() {
         let row = batch.row(path);
-        let vertex = tracer.vertex(path.triangle, path.barycentrics, path.viewer);
+        let mut vertex = tracer.vertex(path.triangle, path.barycentrics, path.viewer);
+        if bounce == 0 && batch.part.broad {
+            vertex.bsdf = vertex.bsdf.broad().unwrap_or(Bsdf::BLACK);
+        }
         vertices.surfaces.set(i, &vertex);
         vertices.viewer.set(i, path.viewer);
         vertices.throughput.set(i, path.throughput);

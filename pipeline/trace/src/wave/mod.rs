@@ -104,6 +104,7 @@ mod tests {
                 tracer: &tracer,
                 source: Source::Point { connect: true },
                 direct: false,
+                broad: false,
                 keep,
                 stream: Stream::new(seed, Stage::Test, 0),
             };

@@ -35,6 +35,8 @@ pub(crate) struct Part<'a> {
     pub(crate) source: Source<'a>,
     /// One reflection only, or else two or more.
     pub(crate) direct: bool,
+    /// Whether a row's own surface scatters by its broad part alone.
+    pub(crate) broad: bool,
     /// How a path's survival follows its throughput ([`super::KEEP`]).
     pub(crate) keep: f32,
     pub(crate) stream: Stream,

@@ -145,7 +145,7 @@ impl Wave {
         for bounce in 0.. {
             self.shade(batch, bounce);
             if batch.looks_at_mirrors() {
-                self.follow_connections(batch);
+                self.follow_connections(batch, bounce);
             }
             self.gather_light(batch);
             self.travel(batch, bounce);

@@ -24,7 +24,14 @@ impl Wave {
             let lanes = TILE.min(self.paths.len() - first);
             let paths = self.paths[first..first + lanes].iter();
             let lights = &self.path_lights;
-            load(batch, paths, lights, &mut self.vertices, &mut self.draws);
+            load(
+                batch,
+                bounce,
+                paths,
+                lights,
+                &mut self.vertices,
+                &mut self.draws,
+            );
             self.light(batch, bounce, first, lanes);
             if batch.looks_at_mirrors() {
                 self.propose_connections(batch, bounce, first, lanes);

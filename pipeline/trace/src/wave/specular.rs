@@ -57,7 +57,7 @@ impl Wave {
     }
 
     /// Follows those rays; where they meet the mirror, queues what comes from the light that way.
-    pub(super) fn follow_connections(&mut self, batch: &Batch) {
+    pub(super) fn follow_connections(&mut self, batch: &Batch, bounce: u32) {
         let tracer = batch.part.tracer;
         rays::closest(
             &tracer.wide,
@@ -76,7 +76,14 @@ impl Wave {
         for tile in met.chunks(TILE) {
             let paths = tile.iter().map(|(connection, _)| &connection.path);
             let lights = &self.path_lights;
-            load(batch, paths, lights, &mut self.vertices, &mut self.draws);
+            load(
+                batch,
+                bounce,
+                paths,
+                lights,
+                &mut self.vertices,
+                &mut self.draws,
+            );
             self.lit.surfaces.materials.clear();
             for (i, (connection, hit)) in tile.iter().enumerate() {
                 self.load_specular(batch, i, connection, hit.triangle, hit.barycentrics);
