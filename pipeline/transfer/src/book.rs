@@ -131,9 +131,10 @@ impl<'a> LightBook<'a> {
             return Ok(found);
         }
         let irradiance = self.receivers.irradiance(&self.mirrors.of(light()));
+        let (coefficients, residual) = self.model.known(&irradiance)?;
         let known = Arc::new(KnownLight {
-            coefficients: self.model.coefficients(&irradiance)?,
-            residual: self.model.residual(&irradiance)?,
+            coefficients,
+            residual,
         });
         let mut kept = self.kept();
         if kept.len() >= KEPT {

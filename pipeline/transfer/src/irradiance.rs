@@ -1,7 +1,7 @@
 //! Direct irradiance of every patch.
 //!
 //! Each patch is asked at a few fixed points, stratified by area; what arrives there is the mean
-//! over them. The points never change, so that a light which moves a little changes the
+//! over them. Small patches, which send on little, are asked at fewer. The points never change, so that a light which moves a little changes the
 //! irradiance a little, and what stands still stays the same to the bit.
 
 use crate::lights::{DirectLight, IncidentLight, Receiver, ReceiverId};
@@ -12,6 +12,8 @@ use rayon::prelude::*;
 
 /// Patches asked together: their shadow rays are one batch.
 const BATCH: usize = 64;
+/// Points of a patch at least, if as many are asked for.
+const LEAST: u32 = 2;
 
 /// The fixed points of one side of a patch.
 #[derive(Clone, Debug)]
@@ -27,11 +29,12 @@ pub struct Receivers<'a> {
     tracer: &'a Tracer<'a>,
     patches: &'a Patches,
     sides: Vec<Side>,
-    count: u32,
 }
 
 impl<'a> Receivers<'a> {
-    /// Places `count` points on each side of each patch that has a column in `used`, or on all.
+    /// Places points on each side of each patch that has a column in `used`, or on all: `count` on
+    /// the largest, on others as many as their area's share of that, but two or more. The
+    /// error of the sum over patches is least so.
     pub fn new(
         tracer: &'a Tracer<'a>,
         patches: &'a Patches,
@@ -49,8 +52,16 @@ impl<'a> Receivers<'a> {
             .flat_map(|patch| [(patch, false), (patch, true)])
             .filter(|&(patch, back)| wanted(patch, back))
             .collect();
+        let largest = patches
+            .area
+            .iter()
+            .copied()
+            .fold(f32::MIN_POSITIVE, f32::max);
         let sides = sides.into_par_iter().map(|(patch, back)| {
-            let points = patches.points(patch, count, stream, &table);
+            let share = patches.area[patch as usize] / largest;
+            let wanted = (count as f32 * share).ceil() as u32;
+            let own = wanted.clamp(LEAST.min(count), count);
+            let points = patches.points(patch, own, stream, &table);
             Side {
                 patch,
                 back,
@@ -64,13 +75,17 @@ impl<'a> Receivers<'a> {
             tracer,
             patches,
             sides: sides.collect(),
-            count,
         }
     }
 
     /// Sides of patches that are asked.
     pub fn sides(&self) -> usize {
         self.sides.len()
+    }
+
+    /// Points that are asked, all sides together.
+    pub fn points(&self) -> usize {
+        self.sides.iter().map(|side| side.points.len()).sum()
     }
 
     /// Direct irradiance of every column a channel [W/m^2]; of a glossy patch's directions, what
@@ -93,8 +108,8 @@ impl<'a> Receivers<'a> {
         let (mut rays, mut arriving) = (Rays::default(), Vec::new());
         // rays beyond mirrors, and which arrivals they belong to
         let (mut beyond, mut of_arrival) = (Rays::default(), Vec::new());
-        let share = 1.0 / self.count.max(1) as f32;
         for side in sides {
+            let share = 1.0 / side.points.len().max(1) as f32;
             for (k, (point, &triangle)) in side.points.iter().zip(&side.triangles).enumerate() {
                 let id = ReceiverId {
                     owner: u64::from(side.patch) * 2 + u64::from(side.back),

@@ -6,8 +6,8 @@ use crate::truth::Truth;
 use glam::Vec3;
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    CellChoice, DirectLight, FlatMirrors, PartFit, RowPoint, TransferCell, TransferConfig,
-    TransferModel, TransferQuery, bake_transfer,
+    CellChoice, DirectLight, FlatMirrors, PartFit, Receivers, RowPoint, TransferCell,
+    TransferConfig, TransferModel, TransferQuery, bake_transfer,
 };
 
 /// One line for each choice of cells.
@@ -74,6 +74,12 @@ fn report(
     }
     let squares = truth.squares(&predicted, &predicted);
     println!("   {}", truth.summary(&squares));
+    speed(
+        &receivers,
+        &mirrors.of(one_watt(truth.lights[0])),
+        &queries,
+        model,
+    );
     let mean = |of: &dyn Fn(&TransferCell) -> usize| {
         let sum: usize = model.cells.iter().map(of).sum();
         sum as f64 / model.cells.len() as f64
@@ -103,6 +109,35 @@ fn report(
     if std::env::var_os("WORST").is_some() {
         worst(truth, &queries, model, &predicted, &squares);
     }
+}
+
+/// What a light and a point cost.
+fn speed(
+    receivers: &Receivers,
+    light: &dyn DirectLight,
+    queries: &[TransferQuery],
+    model: &TransferModel,
+) {
+    let many: Vec<TransferQuery> = (0..200).flat_map(|_| queries).copied().collect();
+    let times = 10.0;
+    let repeat = |what: &dyn Fn()| {
+        what();
+        let start = cpu();
+        (0..10).for_each(|_| what());
+        (cpu() - start) / times
+    };
+    let irradiance = receivers.irradiance(light);
+    let known = model.coefficients(&irradiance).expect("columns");
+    let rays = repeat(&|| drop(receivers.irradiance(light)));
+    let coefficients = repeat(&|| drop(model.coefficients(&irradiance)));
+    let points = repeat(&|| drop(model.evaluate(&known, &many)));
+    println!(
+        "   a light: {:.1} CPU ms by {} points, {:.1} CPU ms of coefficients; a point: {:.0} CPU ns",
+        1e3 * rays,
+        receivers.points(),
+        1e3 * coefficients,
+        1e9 * points / many.len() as f64
+    );
 }
 
 /// The points that make most of the error.

@@ -3,7 +3,7 @@
 use super::batch::{Batch, scales};
 use super::compress::{DenseRead, clustered};
 use super::config::{CellChoice, TransferConfig};
-use super::level::judged_levels;
+use super::judge::judged_error;
 use super::lighting::Lighting;
 use super::sketch::{SketchRow, sign};
 use super::smooth::Smoothed;
@@ -94,7 +94,7 @@ impl CellFitter<'_> {
                 continue;
             };
             let parts = [base, constant];
-            let error = self.error(&parts, judges, &lights);
+            let error = judged_error(&parts, self.batch, judges, &lights, self.reflectances);
             let patience = self.config.patience;
             // a net stands unless local fits are clearly better
             if best
@@ -341,36 +341,6 @@ impl CellFitter<'_> {
             });
         }
         (picked, sums)
-    }
-
-    /// Relative error over rows that judge and lights that judge, the rows' noise taken out;
-    /// infinite where no row judges, so that the next cell's fits decide nothing.
-    fn error(&self, parts: &[PartFit; 2], judges: &[u32], lights: &[Vec<Vec3>]) -> f32 {
-        let (mut sum, mut count) = (0.0f64, 0usize);
-        for (l, light) in lights.iter().enumerate() {
-            let contracted = [0, 1].map(|part: usize| parts[part].contract(light));
-            let levels = judged_levels(self.batch, judges, l);
-            for (&row, level) in judges.iter().zip(levels) {
-                let query = &self.batch.table.queries[row as usize];
-                let judged = &self.batch.table.judged[row as usize];
-                let Some(halves) = judged.get(6 * l..6 * l + 6) else {
-                    continue;
-                };
-                let [base, constant] =
-                    (self.reflectances).at(query.surface.material, query.facing());
-                let [p, q] =
-                    [0, 1].map(|part: usize| parts[part].evaluate(query, &contracted[part]));
-                let found = query.base_color * p * base + q * constant;
-                let (a, b) = (Vec3::from_slice(halves), Vec3::from_slice(&halves[3..]));
-                let off = (found - a) * (found - b);
-                sum += f64::from(off.element_sum() / 3.0) / (level * level);
-                count += 1;
-            }
-        }
-        if count == 0 {
-            return f32::INFINITY;
-        }
-        (sum / count as f64).max(0.0).sqrt() as f32
     }
 }
 

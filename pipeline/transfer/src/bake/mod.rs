@@ -5,6 +5,7 @@ mod cell;
 mod compress;
 mod config;
 mod draw;
+mod judge;
 mod level;
 mod lighting;
 mod model;

@@ -1,5 +1,6 @@
 //! Indirect radiance of points, cell by cell.
 
+use super::block::{PartAnswer, answer_block};
 use super::light::LightCoefficients;
 use super::transfer::TransferModel;
 use crate::query::TransferQuery;
@@ -49,8 +50,15 @@ impl TransferModel {
         let answered: Vec<Vec<TransferAnswer>> = order
             .par_chunks(BATCH)
             .map(|batch| {
-                let answer = |&i: &u32| self.answer(light, &queries[i as usize], cells[i as usize]);
-                batch.iter().map(answer).collect()
+                let mut answers = Vec::with_capacity(batch.len());
+                let (mut asked, mut parts) = (Vec::new(), Vec::new());
+                for run in batch.chunk_by(|&a, &b| cells[a as usize] == cells[b as usize]) {
+                    asked.clear();
+                    asked.extend(run.iter().map(|&i| &queries[i as usize]));
+                    let cell = cells[run[0] as usize];
+                    self.answer(light, cell, &asked, &mut parts, &mut answers);
+                }
+                answers
             })
             .collect();
         let mut answers = vec![TransferAnswer::NONE; queries.len()];
@@ -60,22 +68,35 @@ impl TransferModel {
         answers
     }
 
+    /// Appends the answers for points of one cell.
     fn answer(
         &self,
         light: &LightCoefficients,
-        query: &TransferQuery,
         cell: u32,
-    ) -> TransferAnswer {
+        queries: &[&TransferQuery],
+        parts: &mut Vec<PartAnswer>,
+        answers: &mut Vec<TransferAnswer>,
+    ) {
         let Some(own) = self.cells.get(cell as usize) else {
-            return TransferAnswer::NONE;
+            answers.resize(answers.len() + queries.len(), TransferAnswer::NONE);
+            return;
         };
-        let part = |k: usize| own.parts[k].evaluate(query, light.of(cell, k));
-        let [base, constant] = (self.reflectances).at(query.surface.material, query.facing());
-        let inside = |k: usize| own.parts[k].is_inside(query, MARGIN);
-        TransferAnswer {
-            radiance: query.base_color * part(0) * base + part(1) * constant,
-            cell,
-            trusted: own.error <= self.trust && inside(0) && inside(1),
-        }
+        parts.clear();
+        answer_block(
+            &own.parts,
+            [light.of(cell, 0), light.of(cell, 1)],
+            queries,
+            parts,
+        );
+        let is_fit = own.error <= self.trust;
+        answers.extend(queries.iter().zip(parts.iter()).map(|(query, found)| {
+            let [base, constant] = (self.reflectances).at(query.surface.material, query.facing());
+            let [p, q] = found.parts;
+            TransferAnswer {
+                radiance: query.base_color * p * base + q * constant,
+                cell,
+                trusted: is_fit && found.beyond <= MARGIN,
+            }
+        }));
     }
 }

@@ -1,5 +1,6 @@
 //! A model that answers any light: patches, and cells that read their light.
 
+mod block;
 mod cells;
 mod evaluate;
 mod light;
@@ -8,8 +9,10 @@ mod nodes;
 mod part;
 mod read;
 mod structure;
+mod sums;
 mod transfer;
 
+pub(crate) use block::{PartAnswer, answer_block};
 pub(crate) use cells::{AXES, coordinate};
 pub use cells::{CellNode, LEAF_AXIS, SurfaceCells};
 pub use evaluate::TransferAnswer;

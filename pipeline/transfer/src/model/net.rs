@@ -41,14 +41,7 @@ impl TransferNet {
     /// The outputs for a light: each row of output weights, shape [rank, 3], with the light's
     /// coefficients. What is left is one output a channel, shape \[features\].
     pub fn contract(&self, coefficients: &[Vec3]) -> Vec<Vec3> {
-        let width = 3 * coefficients.len();
-        (self.output.chunks_exact(width.max(1)))
-            .map(|row| {
-                (row.chunks_exact(3).zip(coefficients))
-                    .map(|(w, c)| Vec3::from_slice(w) * *c)
-                    .sum()
-            })
-            .collect()
+        super::sums::contract(&self.output, coefficients)
     }
 
     /// One output a channel for a point, under a contracted light.

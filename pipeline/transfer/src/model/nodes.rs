@@ -4,11 +4,11 @@ use crate::query::TransferQuery;
 use glam::Vec3;
 
 /// Nodes that a point is blended from.
-const BLENDED: usize = 6;
+pub(super) const BLENDED: usize = 6;
 /// Cosine between geometric normals from which on one point says nothing of another.
-const ALIKE: f32 = 0.5;
+pub(super) const ALIKE: f32 = 0.5;
 /// Numbers of a node's place: position, shading normal, mirrored viewer.
-const PLACE_NUMBERS: usize = 9;
+pub(super) const PLACE_NUMBERS: usize = 9;
 
 /// Values and slopes of local fits at a few points.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,14 +41,7 @@ impl TransferNodes {
 
     /// Value and slopes of every node for a light, a channel each.
     pub fn contract(&self, coefficients: &[Vec3]) -> Vec<Vec3> {
-        let width = 3 * coefficients.len();
-        (self.values.chunks_exact(width.max(1)))
-            .map(|row| {
-                (row.chunks_exact(3).zip(coefficients))
-                    .map(|(w, c)| Vec3::from_slice(w) * *c)
-                    .sum()
-            })
-            .collect()
+        super::sums::contract(&self.values, coefficients)
     }
 
     /// The blend of the nearest nodes at a point: each says its value and where that goes with the
@@ -77,24 +70,36 @@ impl TransferNodes {
                 near[at] = (squared, i);
             }
         }
-        let reach = match near[BLENDED].0 {
-            squared if squared.is_finite() => squared.sqrt(),
-            _ => f32::INFINITY,
-        };
-        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
-        for &(squared, i) in &near[..BLENDED] {
-            if !squared.is_finite() {
-                break;
-            }
-            let distance = squared.sqrt().max(1e-6);
-            let weight = (1.0 / distance - 1.0 / reach).max(0.0).powi(2) + f32::MIN_POSITIVE;
-            let normal = Vec3::from_slice(&self.normals[3 * i..]);
-            let (x, y) = normal.any_orthonormal_pair();
-            let way = p - Vec3::from_slice(&self.places[PLACE_NUMBERS * i..]);
-            let own = &contracted[3 * i..3 * i + 3];
-            sum += (own[0] + own[1] * way.dot(x) + own[2] * way.dot(y)) * weight;
-            total += weight;
-        }
-        if total > 0.0 { sum / total } else { Vec3::ZERO }
+        blend(self, p, &near, contracted)
     }
+}
+
+/// Blends the nearest nodes of a place; the last says how far they reach and takes no part.
+#[inline]
+pub(super) fn blend(
+    nodes: &TransferNodes,
+    place: Vec3,
+    near: &[(f32, usize); BLENDED + 1],
+    contracted: &[Vec3],
+) -> Vec3 {
+    let reach = match near[BLENDED].0 {
+        squared if squared.is_finite() => squared.sqrt(),
+        _ => f32::INFINITY,
+    };
+    let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+    for &(squared, i) in &near[..BLENDED] {
+        if !squared.is_finite() {
+            break;
+        }
+        let distance = squared.sqrt().max(1e-6);
+        let fall = (1.0 / distance - 1.0 / reach).max(0.0);
+        let weight = fall * fall + f32::MIN_POSITIVE;
+        let normal = Vec3::from_slice(&nodes.normals[3 * i..]);
+        let (x, y) = normal.any_orthonormal_pair();
+        let way = place - Vec3::from_slice(&nodes.places[PLACE_NUMBERS * i..]);
+        let own = &contracted[3 * i..3 * i + 3];
+        sum += (own[0] + own[1] * way.dot(x) + own[2] * way.dot(y)) * weight;
+        total += weight;
+    }
+    if total > 0.0 { sum / total } else { Vec3::ZERO }
 }

@@ -16,13 +16,7 @@ pub struct LightRead {
 impl LightRead {
     /// The combinations for a light, a channel each, from what arrives at every node.
     pub fn coefficients(&self, fluxes: &[Vec3]) -> Vec<Vec3> {
-        let mut sums = vec![Vec3::ZERO; self.rank];
-        let rows = self.weights.chunks_exact(self.rank.max(1));
-        for (&node, row) in self.nodes.iter().zip(rows) {
-            let flux = fluxes.get(node as usize).copied().unwrap_or_default();
-            sums.iter_mut().zip(row).for_each(|(s, w)| *s += flux * *w);
-        }
-        sums
+        super::sums::combine(self.rank, &self.nodes, &self.weights, fluxes)
     }
 
     /// How many numbers it consists of.

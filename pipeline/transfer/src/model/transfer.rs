@@ -88,50 +88,51 @@ impl TransferModel {
 
     /// A light by its irradiance of all columns, as [`Receivers::irradiance`] gives it.
     pub fn coefficients(&self, irradiance: &[Vec3]) -> Result<LightCoefficients, TransferError> {
-        let fluxes = self.fluxes(irradiance)?;
-        let contracted: Vec<[Vec<Vec3>; 2]> = (self.cells.par_iter())
-            .map(|cell| {
-                let own = cell.read.coefficients(&fluxes);
-                [0, 1].map(|part: usize| cell.parts[part].contract(&own))
-            })
-            .collect();
-        let mut light = LightCoefficients {
-            starts: vec![0],
-            outputs: Vec::new(),
-        };
-        for part in contracted.iter().flatten() {
-            light.outputs.extend_from_slice(part);
-            light.starts.push(light.outputs.len());
-        }
-        Ok(light)
+        Ok(self.known(irradiance)?.0)
     }
 
     /// What share of the light that an irradiance sends into the rows the cells do not read: the
     /// norm of the weighted rows' error over the norm of the weighted rows, estimated from random
     /// combinations of them (Johnson and Lindenstrauss 1984). 0 for a light of 0.
     pub fn residual(&self, irradiance: &[Vec3]) -> Result<f32, TransferError> {
+        Ok(self.known(irradiance)?.1)
+    }
+
+    /// [`TransferModel::coefficients`] and [`TransferModel::residual`].
+    pub(crate) fn known(
+        &self,
+        irradiance: &[Vec3],
+    ) -> Result<(LightCoefficients, f32), TransferError> {
         let fluxes = self.fluxes(irradiance)?;
+        let known: Vec<([Vec<Vec3>; 2], Vec<Vec3>)> = (self.cells.par_iter())
+            .map(|cell| {
+                let own = cell.read.coefficients(&fluxes);
+                let parts = [0, 1].map(|part: usize| cell.parts[part].contract(&own));
+                let rows = cell.sketch.chunks_exact(own.len().max(1));
+                let made = |row: &[f32]| row.iter().zip(&own).map(|(w, c)| *c * *w).sum();
+                (parts, rows.map(made).collect())
+            })
+            .collect();
+        let mut light = LightCoefficients {
+            starts: vec![0],
+            outputs: Vec::new(),
+        };
         let whole = self.sketch.coefficients(&fluxes);
         let mut made = vec![Vec3::ZERO; whole.len()];
-        for cell in &self.cells {
-            let own = cell.read.coefficients(&fluxes);
-            let rows = cell.sketch.chunks_exact(cell.read.rank.max(1));
-            for (made, row) in made.iter_mut().zip(rows) {
-                for (w, c) in row.iter().zip(&own) {
-                    *made += *c * *w;
-                }
+        for (parts, sketch) in &known {
+            for part in parts {
+                light.outputs.extend_from_slice(part);
+                light.starts.push(light.outputs.len());
             }
+            made.iter_mut().zip(sketch).for_each(|(m, s)| *m += *s);
         }
         let (mut rest, mut all) = (0.0f64, 0.0f64);
         for (whole, made) in whole.iter().zip(&made) {
             rest += f64::from((*whole - *made).length_squared());
             all += f64::from(whole.length_squared());
         }
-        Ok(if all > 0.0 {
-            (rest / all).sqrt() as f32
-        } else {
-            0.0
-        })
+        let residual = if all > 0.0 { (rest / all).sqrt() } else { 0.0 };
+        Ok((light, residual as f32))
     }
 
     /// How many numbers the model consists of, patches left out: they follow from the scene.
