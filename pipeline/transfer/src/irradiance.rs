@@ -13,15 +13,25 @@ use rayon::prelude::*;
 /// Patches asked together: their shadow rays are one batch.
 const BATCH: usize = 64;
 /// Points of a patch at least, if as many are asked for.
-const LEAST: u32 = 2;
+const LEAST: u32 = 4;
 
 /// The fixed points of one side of a patch.
 #[derive(Clone, Debug)]
-struct Side {
-    patch: u32,
-    back: bool,
-    points: Vec<Receiver>,
-    triangles: Vec<u32>,
+pub(crate) struct Side {
+    pub(crate) patch: u32,
+    pub(crate) back: bool,
+    pub(crate) points: Vec<Receiver>,
+    pub(crate) triangles: Vec<u32>,
+}
+
+/// Light that reaches a point of a side.
+struct Arrival {
+    /// The side's number among those that are asked together, and the point's.
+    side: u32,
+    point: u32,
+    column: u32,
+    /// What it adds to the mean over the side's points [W/m^2].
+    share: Vec3,
 }
 
 /// Asks for the direct irradiance of patches, always at the same points.
@@ -33,7 +43,7 @@ pub struct Receivers<'a> {
 
 impl<'a> Receivers<'a> {
     /// Places points on each side of each patch that has a column in `used`, or on all: `count` on
-    /// the largest, on others as many as their area's share of that, but two or more. The
+    /// the largest, on others as many as their area's share of that, but four or more. The
     /// error of the sum over patches is least so.
     pub fn new(
         tracer: &'a Tracer<'a>,
@@ -88,27 +98,54 @@ impl<'a> Receivers<'a> {
         self.sides.iter().map(|side| side.points.len()).sum()
     }
 
+    /// Sides and their points.
+    pub(crate) fn each(&self) -> &[Side] {
+        &self.sides
+    }
+
     /// Direct irradiance of every column a channel [W/m^2]; of a glossy patch's directions, what
     /// arrives from each. Its bits do not depend on the number of threads.
     pub fn irradiance(&self, light: &dyn DirectLight) -> Vec<Vec3> {
-        let batches: Vec<Vec<(u32, Vec3)>> = self
+        let batches: Vec<Vec<Arrival>> = self
             .sides
             .par_chunks(BATCH)
             .map(|sides| self.batch(sides, light))
             .collect();
         let mut columns = vec![Vec3::ZERO; self.patches.columns()];
-        for (column, value) in batches.into_iter().flatten() {
-            columns[column as usize] += value;
+        for arrival in batches.into_iter().flatten() {
+            columns[arrival.column as usize] += arrival.share;
         }
         columns
     }
 
-    /// What reaches the points of a few sides: columns and irradiances.
-    fn batch(&self, sides: &[Side], light: &dyn DirectLight) -> Vec<(u32, Vec3)> {
+    /// Mean irradiance of each side [W/m^2], channels together, and its variance over the points.
+    pub(crate) fn spreads(&self, light: &dyn DirectLight) -> Vec<[f32; 2]> {
+        let batches = self.sides.par_chunks(BATCH).map(|sides| {
+            let mut points: Vec<Vec<f32>> = (sides.iter())
+                .map(|side| vec![0.0; side.points.len()])
+                .collect();
+            for arrival in self.batch(sides, light) {
+                let own = &mut points[arrival.side as usize];
+                // the share of one point is its value by their number
+                own[arrival.point as usize] += arrival.share.element_sum() / 3.0 * own.len() as f32;
+            }
+            let spread = |points: Vec<f32>| {
+                let count = points.len().max(1) as f32;
+                let mean = points.iter().sum::<f32>() / count;
+                let squares: f32 = points.iter().map(|x| (x - mean) * (x - mean)).sum();
+                [mean, squares / (count - 1.0).max(1.0)]
+            };
+            points.into_iter().map(spread).collect::<Vec<[f32; 2]>>()
+        });
+        batches.flatten().collect()
+    }
+
+    /// What reaches the points of a few sides.
+    fn batch(&self, sides: &[Side], light: &dyn DirectLight) -> Vec<Arrival> {
         let (mut rays, mut arriving) = (Rays::default(), Vec::new());
         // rays beyond mirrors, and which arrivals they belong to
         let (mut beyond, mut of_arrival) = (Rays::default(), Vec::new());
-        for side in sides {
+        for (number, side) in (0..).zip(sides) {
             let share = 1.0 / side.points.len().max(1) as f32;
             for (k, (point, &triangle)) in side.points.iter().zip(&side.triangles).enumerate() {
                 let id = ReceiverId {
@@ -128,7 +165,12 @@ impl<'a> Receivers<'a> {
                         beyond.push(leg.origin, leg.direction, leg.distance);
                         of_arrival.push(arriving.len());
                     }
-                    arriving.push((column, arrival.normal_irradiance * (cosine * share)));
+                    arriving.push(Arrival {
+                        side: number,
+                        point: k as u32,
+                        column,
+                        share: arrival.normal_irradiance * (cosine * share),
+                    });
                 });
             }
         }

@@ -26,7 +26,12 @@ pub struct TransferConfig {
     /// Widest patch, in harmonic mean distances of what is around it; infinite for patches of one
     /// size.
     pub patch_width: f32,
-    /// Points that each patch's irradiance is asked at.
+    /// What patches may get wrong before they are quartered: how much the light varies over them,
+    /// relative to its mean, times how near surroundings are, relative to their width.
+    pub patch_error: f32,
+    /// How many patches may be added so, as a share of the count that is asked for.
+    pub finer_patches: f32,
+    /// Points that the largest patch's irradiance is asked at.
     pub receiver_points: u32,
     /// How many rows are traced.
     pub rows: usize,
@@ -79,6 +84,8 @@ impl Default for TransferConfig {
                 ..PatchConfig::default()
             },
             patch_width: f32::INFINITY,
+            patch_error: 0.1,
+            finer_patches: 0.0,
             receiver_points: 8,
             rows: 30_000,
             paths: RowConfig {

@@ -10,6 +10,7 @@ mod level;
 mod lighting;
 mod model;
 mod rounds;
+mod sizes;
 mod sketch;
 mod smooth;
 mod tree;

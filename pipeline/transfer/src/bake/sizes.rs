@@ -12,7 +12,6 @@ use crate::irradiance::{Receivers, Side};
 use crate::lights::DirectLight;
 use crate::patches::{PatchSizes, Patches};
 use crate::tracing::{DIMENSIONS, Hits, Rays, Scramble, Stream, Table, Tracer, scramble};
-use glam::Vec3;
 use rayon::prelude::*;
 use rrf_lights::about;
 use rrf_materials::cosine_hemisphere;

@@ -4,7 +4,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 
 /// Quarterings of a patch at most.
-const MOST: u8 = 3;
+const MOST: u8 = 4;
 
 /// Patch sizes in the cells of a grid: as small as surroundings are near, so that a patch in a gap
 /// is about as wide as the gap (Ward, Rubinstein, Clear 1988 space their samples alike).
@@ -36,6 +36,31 @@ impl PatchSizes {
         PatchSizes {
             edge,
             levels: levels.filter(|l| l.1 > 0).collect(),
+        }
+    }
+
+    /// Quarterings of a patch at most.
+    pub(crate) const MOST: u8 = MOST;
+
+    /// Patches of one size, whose edge this is.
+    pub(crate) fn even(patch_edge: f32) -> PatchSizes {
+        PatchSizes {
+            edge: 0.5 * patch_edge,
+            levels: BTreeMap::new(),
+        }
+    }
+
+    /// Asks for patches that are quartered so often around a place.
+    pub(crate) fn demand(&mut self, place: Vec3, level: u8) {
+        let own = self.levels.entry(cell(place, self.edge)).or_default();
+        *own = (*own).max(level.min(MOST));
+    }
+
+    /// Asks for all that other sizes for the same patches ask for.
+    pub(crate) fn join(&mut self, other: &PatchSizes) {
+        for (&key, &level) in &other.levels {
+            let own = self.levels.entry(key).or_default();
+            *own = (*own).max(level);
         }
     }
 

@@ -56,7 +56,7 @@ fn floor(edge: f32) -> Scene {
 
 /// Power [W] that the first object's upper side takes in.
 fn taken_in(tracer: &Tracer, patches: &Patches, light: &dyn DirectLight, stream: Stream) -> Vec3 {
-    let receivers = Receivers::new(tracer, patches, 8, None, stream);
+    let receivers = Receivers::new(tracer, patches, 32, None, stream);
     let found = receivers.irradiance(light);
     let own = (0..patches.len() as u32).filter(|&p| patches.object[p as usize] == 0);
     own.map(|p| {
