@@ -33,7 +33,10 @@ fn main() {
             .find_map(|w| w.strip_prefix(&format!("{key}=")));
         found.map_or(otherwise, |v| v.parse().expect("a number"))
     };
-    if let Some(table) = words.iter().find_map(|w| w.strip_prefix("oracle=")) {
+    let tables: Vec<&str> = (words.iter())
+        .filter_map(|w| w.strip_prefix("oracle="))
+        .collect();
+    if !tables.is_empty() {
         let sky = words.iter().find_map(|w| w.strip_prefix("sky="));
         let whole = load_whole(path.map(String::as_str), sky);
         let scene = match words.iter().any(|w| w == "unlit") {
@@ -49,7 +52,12 @@ fn main() {
             gloss: number("gloss", 30) as f32 / 100.0,
             finer: words.iter().any(|w| w == "finer"),
         };
-        return oracle::run(&tracer, table, &plan);
+        let model = words.iter().any(|w| w == "model").then(|| {
+            let places = Places::new(&setup, &tracer);
+            oracle::bake(&tracer, &places, &config(&words))
+        });
+        let run = |table: &&str| oracle::run(&tracer, table, &plan, model.as_ref());
+        return tables.iter().for_each(run);
     }
     let places = Places::new(&setup, &tracer);
     let (points, lights) = (number("points", 240), number("lights", 24));
@@ -82,12 +90,27 @@ fn main() {
 
 /// The library's model by the words of the command line.
 fn model_run(tracer: &Tracer, places: &Places, truth: &Truth, words: &[String]) {
-    let text = |key: &str| {
-        let key = format!("{key}=");
-        words.iter().rev().find_map(|w| w.strip_prefix(&key))
+    let choices: &[CellChoice] = match text(words, "choice") {
+        Some("nets") => &[CellChoice::Nets],
+        Some("nodes") => &[CellChoice::Nodes],
+        Some("all") => &[CellChoice::Nodes, CellChoice::Nets, CellChoice::Best],
+        _ => &[CellChoice::Best],
     };
-    let number =
-        |key: &str, otherwise: f64| text(key).map_or(otherwise, |v| v.parse().expect("a number"));
+    let ensemble = text(words, "ensemble").map_or(330, |v| v.parse().expect("a number"));
+    model::run(tracer, places, truth, ensemble, &config(words), choices);
+}
+
+/// The value of a key, the last if there are several.
+fn text<'w>(words: &'w [String], key: &str) -> Option<&'w str> {
+    let key = format!("{key}=");
+    words.iter().rev().find_map(|w| w.strip_prefix(&key))
+}
+
+/// Settings by the words; those of the library where they say nothing.
+fn config(words: &[String]) -> TransferConfig {
+    let number = |key: &str, otherwise: f64| {
+        text(words, key).map_or(otherwise, |v| v.parse().expect("a number"))
+    };
     let mut config = TransferConfig::default();
     config.patches.count = number("patches", 2_000.0) as usize;
     config.rows = number("rows", 30_000.0) as usize;
@@ -110,12 +133,5 @@ fn model_run(tracer: &Tracer, places: &Places, truth: &Truth, words: &[String]) 
     config.net.decay = number("decay", 0.1);
     config.local.neighbours = number("neighbours", 32.0) as usize;
     config.local.view = number("view", 0.15) as f32;
-    let choices: &[CellChoice] = match text("choice") {
-        Some("nets") => &[CellChoice::Nets],
-        Some("nodes") => &[CellChoice::Nodes],
-        Some("all") => &[CellChoice::Nodes, CellChoice::Nets, CellChoice::Best],
-        _ => &[CellChoice::Best],
-    };
-    let ensemble = number("ensemble", 330.0) as usize;
-    model::run(tracer, places, truth, ensemble, &config, choices);
+    config
 }

@@ -56,7 +56,8 @@ fn report(
         .map(|p| TransferQuery::of_row(tracer, p))
         .collect();
     let mut predicted = own.to_vec();
-    let (mut residual, mut unknown, mut trusted) = (0.0, 0, 0);
+    let (mut residual, mut unknown) = (0.0, 0);
+    let mut trusted = vec![None; predicted.len()];
     let count = truth.lights.len();
     for (l, &light) in truth.lights.iter().enumerate() {
         let irradiance = receivers.irradiance(&mirrors.of(one_watt(light)));
@@ -69,7 +70,8 @@ fn report(
         for (p, answer) in model.evaluate(&light, &queries).iter().enumerate() {
             predicted[p * count + l] += answer.radiance.max(Vec3::ZERO);
             unknown += usize::from(answer.cell == rrf_scene::INVALID);
-            trusted += usize::from(answer.trusted);
+            let is_trusted = answer.trusted && own_residual <= 0.1;
+            trusted[p * count + l] = is_trusted.then(|| model.cells[answer.cell as usize].error);
         }
     }
     let squares = truth.squares(&predicted, &predicted);
@@ -102,9 +104,23 @@ fn report(
         4e-6 * mean(&|cell| cell.read.numbers()) * model.cells.len() as f64,
     );
     println!(
-        "   {unknown} answers without a cell, {:.1} % trusted, residual {:.1} %",
-        100.0 * trusted as f64 / predicted.len() as f64,
+        "   {unknown} answers without a cell, residual {:.1} %",
         100.0 * residual
+    );
+    let trusted = &trusted;
+    let kept = |wanted: bool| (0..squares.len()).filter(move |&i| trusted[i].is_some() == wanted);
+    let rms = |of: &mut dyn Iterator<Item = usize>| {
+        let (sum, n) = of.fold((0.0, 0), |(sum, n), i| (sum + f64::from(squares[i]), n + 1));
+        100.0 * (sum / f64::from(n.max(1))).max(0.0).sqrt()
+    };
+    let within = kept(true)
+        .filter(|&i| trusted[i].is_some_and(|error| squares[i].max(0.0).sqrt() <= 3.0 * error));
+    println!(
+        "   {:.1} % trusted: their error {:.2} %, the others' {:.2} %; {:.1} % of them within three stated errors",
+        100.0 * kept(true).count() as f64 / predicted.len() as f64,
+        rms(&mut kept(true)),
+        rms(&mut kept(false)),
+        100.0 * within.count() as f64 / kept(true).count().max(1) as f64,
     );
     if std::env::var_os("WORST").is_some() {
         worst(truth, &queries, model, &predicted, &squares);

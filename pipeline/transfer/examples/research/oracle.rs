@@ -1,13 +1,15 @@
 //! Raw rows against another renderer's tables: whether patches' irradiance suffices for a kind of light.
 
 use crate::clock::cpu;
+use crate::setup::Places;
 use glam::Vec3;
 use rrf_lights::{DistantLight, LightSource, PointLight};
 use rrf_sampling::{Stage, Stream};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    DirectLight, FlatMirrors, PatchConfig, Patches, Receivers, RowConfig, RowPoint, SourceLight,
+    ConditionPlan, DirectLight, FlatMirrors, LightConditions, PatchConfig, Patches, Receivers,
+    RowConfig, RowPoint, SourceLight, TransferConfig, TransferModel, TransferQuery, bake_transfer,
     finer_near_lamps, named_light, trace_rows,
 };
 use std::collections::BTreeMap;
@@ -77,8 +79,40 @@ fn light_of(tracer: &Tracer, name: &str, at: Vec3, stream: Stream) -> Box<dyn Di
     Box::new(SourceLight::new(Box::leak(Box::new(source)), stream))
 }
 
-/// Prints errors, noise of the table and of the rows taken out, as a whole and by material.
-pub fn run(tracer: &Tracer, file: &str, plan: &Plan) {
+/// A model for the scene's own lights, points, suns and skies.
+pub fn bake(tracer: &Tracer, places: &Places, config: &TransferConfig) -> TransferModel {
+    let scene = tracer.scene();
+    let bounds = scene.bounds().expect("a surface");
+    let plan = ConditionPlan::within([Vec3::from(bounds.min), Vec3::from(bounds.max)]);
+    let stream = Stream::new(1, Stage::Transfer, 2);
+    let free = |place: Vec3| places.is_free(place);
+    let conditions = LightConditions::new(tracer, &free, &plan, stream);
+    let mirrors = FlatMirrors::new(tracer);
+    let own = scene.own_light_names();
+    let own = own
+        .iter()
+        .filter_map(|name| named_light(scene, name, stream));
+    let drawn = conditions.lights(stream).into_iter();
+    let drawn = drawn.map(|group| Box::new(group) as Box<dyn DirectLight>);
+    let lights: Vec<_> = drawn.chain(own).map(|light| mirrors.of(light)).collect();
+    let lights: Vec<&dyn DirectLight> = lights.iter().map(|l| l as &dyn DirectLight).collect();
+    let draw = |_: u64, count: usize| -> Vec<RowPoint> { places.candidates(count, 2) };
+    let start = cpu();
+    let model = bake_transfer(tracer, &draw, &lights, config, &|| false).expect("a model");
+    println!(
+        "{} lights, {} cells, {:.2} MB: {:.1} CPU s",
+        lights.len(),
+        model.cells.len(),
+        4e-6 * model.numbers() as f64,
+        cpu() - start
+    );
+    model
+}
+
+/// Prints errors, noise of the table and of the rows taken out, as a whole and by material; those of
+/// a model, where there is one, whose patches are taken then.
+pub fn run(tracer: &Tracer, file: &str, plan: &Plan, model: Option<&TransferModel>) {
+    println!("{file}");
     let known = read(tracer, file);
     let config = PatchConfig {
         count: plan.patches,
@@ -88,7 +122,10 @@ pub fn run(tracer: &Tracer, file: &str, plan: &Plan) {
     let edge = (tracer.area() / plan.patches as f64).sqrt() as f32;
     let finer = finer_near_lamps(tracer.scene(), edge);
     let size = |at: Vec3| if plan.finer { finer(at) } else { 1.0 };
-    let patches = Patches::new(tracer.scene(), &config, &size).expect("patches");
+    let patches = match model {
+        Some(model) => model.patches.clone(),
+        None => Patches::new(tracer.scene(), &config, &size).expect("patches"),
+    };
     let points: Vec<RowPoint> = known.iter().map(|k| k.at).collect();
     let row_config = RowConfig {
         paths: plan.paths,
@@ -106,6 +143,8 @@ pub fn run(tracer: &Tracer, file: &str, plan: &Plan) {
         by_light.entry(of.light.clone()).or_default().push(row);
     }
     let mut halves = vec![[Vec3::ZERO; 2]; known.len()];
+    let mut answers = halves.clone();
+    let (mut trusted, mut within, mut residual) = (0usize, 0usize, 0.0f32);
     let lit = cpu();
     for ((name, at), of) in &by_light {
         let at = Vec3::from(at.map(f32::from_bits));
@@ -116,6 +155,27 @@ pub fn run(tracer: &Tracer, file: &str, plan: &Plan) {
         for (&row, own) in of.iter().zip(own) {
             let colour = tracer.material_at(&points[row].point).base_color;
             halves[row] = [0, 1].map(|h| rows.apply(row, h, &irradiance).coloured(colour) + own);
+        }
+        let Some(model) = model else { continue };
+        let irradiance = model.receivers(tracer).irradiance(&mirrors.of(&light));
+        residual += model.residual(&irradiance).expect("columns") / by_light.len() as f32;
+        let under = model.coefficients(&irradiance).expect("columns");
+        let some: Vec<RowPoint> = of.iter().map(|&r| points[r]).collect();
+        let queries: Vec<TransferQuery> = (some.iter())
+            .map(|p| TransferQuery::of_row(tracer, p))
+            .collect();
+        let own = mirrors.at_rows(&light, &some, 0);
+        let found = model.evaluate(&under, &queries);
+        for ((&row, own), found) in of.iter().zip(own).zip(found) {
+            answers[row] = [found.radiance.max(Vec3::ZERO) + own; 2];
+            if found.trusted {
+                let Known { mean, error, .. } = known[row];
+                let off = (answers[row][0] - mean).length_squared() - error.length_squared();
+                let level = mean.element_sum() / 3.0;
+                let allowed = 3.0 * model.cells[found.cell as usize].error * level;
+                trusted += 1;
+                within += usize::from(off / 3.0 <= allowed * allowed);
+            }
         }
     }
     println!(
@@ -139,6 +199,18 @@ pub fn run(tracer: &Tracer, file: &str, plan: &Plan) {
         if of.material != "brass" {
             groups.entry("(but brass)").or_default().push(row);
         }
+    }
+    if model.is_some() {
+        println!(
+            " the model: {:.0} % trusted, {:.1} % of them within three stated errors; residual {:.1} %",
+            100.0 * trusted as f64 / known.len() as f64,
+            100.0 * within as f64 / trusted.max(1) as f64,
+            100.0 * residual,
+        );
+        for name in ["(all)", "(but brass)"] {
+            report(name, &groups[name], &known, &answers, level);
+        }
+        println!(" rows");
     }
     worst(&known, &halves, level);
     for (name, of) in groups {

@@ -103,7 +103,7 @@ impl<'a> Places<'a> {
     }
 
     /// Whether a place is seen from one that is free.
-    fn is_free(&self, place: Vec3) -> bool {
+    pub fn is_free(&self, place: Vec3) -> bool {
         let mut rays = Rays::default();
         for &from in &self.free {
             rays.push(from, place - from, 1.0);

@@ -3,7 +3,8 @@
 use super::batch::{Batch, scales};
 use super::compress::{DenseRead, clustered};
 use super::config::{CellChoice, TransferConfig};
-use super::judge::judged_error;
+use super::directions::Directions;
+use super::judge::{Judged, bear_out, judged_error};
 use super::lighting::Lighting;
 use super::sketch::{SketchRow, sign};
 use super::smooth::Smoothed;
@@ -12,7 +13,7 @@ use crate::columns::ColumnTree;
 use crate::model::{PartFit, SKETCHES, TransferCell, TransferNet, TransferNodes};
 use crate::query::{INPUTS, VIEW};
 use crate::reflectance::Reflectances;
-use crate::regression::{LocalFits, Samples, fit_net};
+use crate::regression::{LocalFits, NetConfig, Samples, fit_net};
 use crate::svd::leading;
 use crate::tracing::Stream;
 use glam::Vec3;
@@ -33,22 +34,15 @@ pub(crate) struct CellFitter<'a> {
 
 /// Spread below which an input says nothing.
 const SPREAD: f32 = 1e-4;
+/// Rows that a hidden unit asks for, and units that a net has all the same.
+const ROWS_A_UNIT: usize = 10;
+const LEAST_UNITS: usize = 2;
 /// Rows below which no net is fitted.
 const LEAST_ROWS: usize = 24;
 /// Nodes of the column tree that a cell reads at most.
 const MOST_NODES: usize = 1_024;
 /// Rows of a cell that sketches take.
 const SKETCH_ROWS: usize = 6;
-
-/// The directions of a cell's rows.
-struct Directions {
-    rank: usize,
-    /// Shape [3 rows, rank]: orthonormal combinations of the weighted channel rows.
-    left: Array2<f64>,
-    values: Array1<f64>,
-    /// Shape [rank, lights].
-    right: Array2<f64>,
-}
 
 impl CellFitter<'_> {
     /// Fits the cell of these rows; `judges` are rows of the cell that it must not see.
@@ -70,7 +64,8 @@ impl CellFitter<'_> {
         let lights: Vec<Vec<Vec3>> = (self.lighting.judges.iter())
             .map(|light| read.coefficients(&self.columns.fluxes(light)))
             .collect();
-        let mut best: Option<TransferCell> = None;
+        let judge_shares: Vec<[Vec3; 2]> = judges.iter().map(|&row| self.shares(row)).collect();
+        let mut best: Option<(Judged, TransferCell)> = None;
         for is_net in [true, false] {
             let skip = match self.config.choice {
                 CellChoice::Best => false,
@@ -93,24 +88,38 @@ impl CellFitter<'_> {
             let (Some(base), Some(constant)) = (part(0), part(1)) else {
                 continue;
             };
-            let parts = [base, constant];
-            let error = judged_error(&parts, self.batch, judges, &lights, self.reflectances);
-            let patience = self.config.patience;
+            let mut parts = [base, constant];
+            bear_out(
+                &mut parts,
+                &self.batch.table,
+                judges,
+                &judge_shares,
+                &directions,
+            );
+            let judged = judged_error(&parts, self.batch, judges, &lights, self.reflectances);
             // a net stands unless local fits are clearly better
+            let patience = self.config.patience;
             if best
                 .as_ref()
-                .is_none_or(|best| error * patience < best.error)
+                .is_none_or(|(of, _)| judged.beats(of, patience))
             {
-                best = Some(TransferCell {
-                    error,
+                let cell = TransferCell {
+                    error: judged.stated(),
                     parts,
                     rows: rows.len() as u32,
                     judged: judges.len() as u32,
                     ..TransferCell::default()
-                });
+                };
+                best = Some((judged, cell));
             }
         }
-        let mut cell = best.unwrap_or_default();
+        let mut cell = best.map_or_else(
+            || TransferCell {
+                error: f32::INFINITY,
+                ..TransferCell::default()
+            },
+            |(_, cell)| cell,
+        );
         let picked;
         (picked, cell.sketch) = self.sketch(rows, &smoothed, &directions);
         cell.read = read;
@@ -267,7 +276,12 @@ impl CellFitter<'_> {
                 (directions.values[k / 3] / count).max(1e-12)
             }),
         };
-        fit_net(&samples, &self.config.net, stream.part(1 + part as u32))
+        let most = (rows.len() / ROWS_A_UNIT).max(LEAST_UNITS);
+        let config = NetConfig {
+            units: self.config.net.units.min(most),
+            ..self.config.net
+        };
+        fit_net(&samples, &config, stream.part(1 + part as u32))
     }
 
     /// Local fits at some of the rows' own points.
@@ -341,20 +355,5 @@ impl CellFitter<'_> {
             });
         }
         (picked, sums)
-    }
-}
-
-impl Directions {
-    /// A part of a row, shape [3, lights], in the directions: shape [rank, 3].
-    fn made(&self, part: &[f32]) -> Vec<f32> {
-        let lights = self.right.ncols().max(1);
-        let mut out = vec![0.0f32; 3 * self.rank];
-        for (k, (right, value)) in self.right.rows().into_iter().zip(&self.values).enumerate() {
-            for (channel, lit) in part.chunks_exact(lights).enumerate() {
-                let sum: f64 = lit.iter().zip(right).map(|(x, v)| f64::from(*x) * v).sum();
-                out[3 * k + channel] = (sum / value.max(f64::MIN_POSITIVE)) as f32;
-            }
-        }
-        out
     }
 }

@@ -8,6 +8,9 @@ use crate::tracing::Stream;
 /// Random combinations of the directions that clusters are judged by.
 const COMBINATIONS: usize = 4;
 
+/// No column of the node is read.
+const UNREAD: u32 = u32::MAX;
+
 /// A dense read: what 1 W/m^2 on a column adds to each direction.
 pub(crate) struct DenseRead {
     pub(crate) rank: usize,
@@ -99,6 +102,10 @@ struct Judge<'a> {
     lighting: &'a Lighting,
     /// Combinations of each column's weights, shape [columns, combinations].
     combined: Vec<f32>,
+    /// Place of each node that is read in `made`; [`UNREAD`] of others.
+    places: Vec<u32>,
+    /// Answers of those nodes' columns to some lights, shape [nodes, combinations, some].
+    made: Vec<f32>,
 }
 
 impl<'a> Judge<'a> {
@@ -118,43 +125,75 @@ impl<'a> Judge<'a> {
         let mut combined = vec![0.0f32; tree.columns() * COMBINATIONS];
         let rows = read.weights.chunks_exact(read.rank.max(1));
         for (out, row) in combined.chunks_exact_mut(COMBINATIONS).zip(rows) {
+            if row.iter().all(|&w| w == 0.0) {
+                continue;
+            }
             for (w, signs) in row.iter().zip(signs.chunks_exact(COMBINATIONS)) {
                 out.iter_mut().zip(signs).for_each(|(o, s)| *o += w * s);
             }
         }
-        Judge {
+        let mut judge = Judge {
             read,
             tree,
             lighting,
             combined,
+            places: vec![UNREAD; tree.len()],
+            made: Vec::new(),
+        };
+        judge.answer();
+        judge
+    }
+
+    /// Answers of all nodes that are read, children before their parents.
+    fn answer(&mut self) {
+        let some = self.lighting.some.len();
+        let width = COMBINATIONS * some;
+        for node in (0..self.tree.len() as u32).rev() {
+            let place = self.made.len();
+            match self.tree.children(node) {
+                Some(children) => {
+                    let of = children.map(|child| self.places[child as usize]);
+                    let read = of.iter().filter(|&&place| place != UNREAD);
+                    for (count, &child) in read.enumerate() {
+                        let first = child as usize * width;
+                        if count == 0 {
+                            self.made.extend_from_within(first..first + width);
+                        } else {
+                            let (before, own) = self.made.split_at_mut(place);
+                            add(own, &before[first..first + width], 1.0);
+                        }
+                    }
+                }
+                None => {
+                    let Some(&column) = self.tree.columns_of(node).first() else {
+                        continue;
+                    };
+                    let first = column as usize * COMBINATIONS;
+                    let own = &self.combined[first..first + COMBINATIONS];
+                    if own.iter().any(|&w| w != 0.0) {
+                        let e = self.lighting.some_on(column);
+                        let made = own.iter().flat_map(|w| e.iter().map(move |e| w * e));
+                        self.made.extend(made);
+                    }
+                }
+            }
+            if self.made.len() > place {
+                self.places[node as usize] = (place / width.max(1)) as u32;
+            }
         }
     }
 
-    fn of(&self, column: u32) -> &[f32] {
-        let first = column as usize * COMBINATIONS;
-        &self.combined[first..first + COMBINATIONS]
-    }
-
     fn is_read(&self, node: u32) -> bool {
-        let mut columns = self.tree.columns_of(node).iter();
-        columns.any(|&c| self.of(c).iter().any(|&w| w != 0.0))
+        self.places[node as usize] != UNREAD
     }
 
     /// Answers of a node's columns to some lights, for each combination: shape [combinations, some].
     fn made(&self, node: u32) -> Vec<f32> {
-        let some = &self.lighting.some;
-        let mut sums = vec![0.0f32; COMBINATIONS * some.len()];
-        for &column in self.tree.columns_of(node) {
-            let own = self.of(column);
-            if own.iter().all(|&w| w == 0.0) {
-                continue;
-            }
-            let e = self.lighting.ensemble.row(column);
-            for (sum, w) in sums.chunks_exact_mut(some.len().max(1)).zip(own) {
-                sum.iter_mut().zip(some).for_each(|(s, &l)| *s += w * e[l]);
-            }
+        let width = COMBINATIONS * self.lighting.some.len();
+        match self.places[node as usize] {
+            UNREAD => vec![0.0; width],
+            place => self.made[place as usize * width..(place as usize + 1) * width].to_vec(),
         }
-        sums
     }
 
     /// The sum of squares that all columns make, a combination.

@@ -45,6 +45,8 @@ const NEAREST: f32 = 0.02;
 const GRAZING: f32 = 0.02;
 /// Cosine between normals of points of one face.
 const ALIKE: f32 = 0.5;
+/// Heights of ways between neighbouring points, relative to how far apart they may be.
+const HEIGHTS: [f32; 3] = [1.0, 0.25, 0.06];
 /// Share of the rows that are spread evenly over what is seen.
 const EVEN: f32 = 0.3;
 
@@ -162,16 +164,20 @@ pub(crate) fn near(tracer: &Tracer, like: &RowPoint, radius: f32, u: [f32; 4]) -
     if !is_same || other.facing() <= GRAZING {
         return None;
     }
-    // by way of a place above the one that eyes see
-    let above = own.position + own.geometric * radius;
-    let mut rays = Rays::default();
-    for from in [&like.point, &point] {
-        let origin = tracer.lift(from.triangle, from.position, above - from.position);
-        rays.push(origin, above - origin, 1.0);
-    }
-    let mut blocked = Vec::new();
-    tracer.occluded(&rays, &mut blocked);
-    (!blocked.contains(&true)).then_some(RowPoint { point, ..*like })
+    // by way of a place above the one that eyes see: high up, or lower where that is in a gap
+    let is_parted = |height: f32| {
+        let above = own.position + own.geometric * height;
+        let mut rays = Rays::default();
+        for from in [&like.point, &point] {
+            let origin = tracer.lift(from.triangle, from.position, above - from.position);
+            rays.push(origin, above - origin, 1.0);
+        }
+        let mut blocked = Vec::new();
+        tracer.occluded(&rays, &mut blocked);
+        blocked.contains(&true)
+    };
+    let joined = HEIGHTS.iter().any(|height| !is_parted(height * radius));
+    joined.then_some(RowPoint { point, ..*like })
 }
 
 /// A surface and which of six ways it faces there.

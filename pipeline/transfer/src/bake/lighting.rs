@@ -28,6 +28,8 @@ pub(crate) struct Lighting {
     pub(crate) on_nodes: Vec<f32>,
     /// Which those are.
     pub(crate) some: Vec<usize>,
+    /// What they are on every column, shape [columns, some].
+    on_columns: Vec<f32>,
 }
 
 impl Lighting {
@@ -77,6 +79,12 @@ impl Lighting {
         Ok(Lighting::of(Ensemble::new(&kept), &kept, judges, columns))
     }
 
+    /// Some lights on a column.
+    pub(crate) fn some_on(&self, column: u32) -> &[f32] {
+        let first = column as usize * self.some.len();
+        &self.on_columns[first..first + self.some.len()]
+    }
+
     /// From lights that are weighted.
     fn of(
         ensemble: Ensemble,
@@ -92,7 +100,12 @@ impl Lighting {
                 on_nodes[node * some.len() + s] = flux.element_sum() / 3.0;
             }
         }
+        let on_columns = (0..columns.columns() as u32).flat_map(|column| {
+            let row = ensemble.row(column);
+            some.iter().map(|&l| row[l])
+        });
         Lighting {
+            on_columns: on_columns.collect(),
             mean: ensemble.mean(),
             ensemble,
             judges,

@@ -4,6 +4,7 @@ mod batch;
 mod cell;
 mod compress;
 mod config;
+mod directions;
 mod draw;
 mod judge;
 mod level;

@@ -50,6 +50,8 @@ pub(crate) struct SurfaceFit {
 
 /// Further rows of a cell in a round, as a share of those it has.
 const GROWTH: f32 = 1.5;
+/// Rows that a cell gets before its error is believed.
+const FEW: usize = 96;
 /// Weight of even light beside steep light.
 const EVEN: f32 = 0.1;
 
@@ -116,7 +118,8 @@ impl Rounds<'_> {
             if over <= 0.0 || total <= 0.0 {
                 continue;
             }
-            let count = over.min(GROWTH) * rows.len() as f32;
+            let lacking = FEW.saturating_sub(rows.len()) as f32;
+            let count = (over.min(GROWTH) * rows.len() as f32).max(lacking);
             let mut due = 0.5;
             for (row, around) in rows {
                 due += count * steep(around) / total;

@@ -46,6 +46,20 @@ impl PartFit {
         }
     }
 
+    /// Multiplies what it makes of each of a light's coefficients.
+    pub(crate) fn scale(&mut self, factors: &[f32]) {
+        let values = match self {
+            PartFit::Nothing => return,
+            PartFit::Net(net) => &mut net.output,
+            PartFit::Nodes(nodes) => &mut nodes.values,
+        };
+        for row in values.chunks_exact_mut(3 * factors.len().max(1)) {
+            for (own, by) in row.chunks_exact_mut(3).zip(factors) {
+                own.iter_mut().for_each(|x| *x *= by);
+            }
+        }
+    }
+
     /// How many numbers it consists of.
     pub fn numbers(&self) -> usize {
         match self {

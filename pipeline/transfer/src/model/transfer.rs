@@ -24,7 +24,8 @@ pub struct TransferCell {
     pub read: LightRead,
     /// Base part and constant part of its rows.
     pub parts: [PartFit; 2],
-    /// Relative error on rows that it was not fitted to, noise taken out.
+    /// Relative error on rows that it was not fitted to, noise taken out, and one standard error of
+    /// its square; infinite where that is not known.
     pub error: f32,
     /// Rows that it was fitted to.
     pub rows: u32,
