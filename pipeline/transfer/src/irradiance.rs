@@ -103,6 +103,11 @@ impl<'a> Receivers<'a> {
         &self.sides
     }
 
+    /// Sides and their points, for themselves.
+    pub(crate) fn into_sides(self) -> Vec<Side> {
+        self.sides
+    }
+
     /// Direct irradiance of every column a channel [W/m^2]; of a glossy patch's directions, what
     /// arrives from each. Its bits do not depend on the number of threads.
     pub fn irradiance(&self, light: &dyn DirectLight) -> Vec<Vec3> {

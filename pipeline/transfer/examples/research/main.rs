@@ -116,8 +116,7 @@ fn config(words: &[String]) -> TransferConfig {
     config.rows = number("rows", 30_000.0) as usize;
     config.paths.paths = number("row-paths", 256.0) as u32;
     config.candidates = number("candidates", 3.0) as f32;
-    config.patch_width = number("patch-width", f64::INFINITY) as f32;
-    config.finer_patches = number("finer", 2.0) as f32;
+    config.finer_patches = number("finer", 1.5) as f32;
     config.patch_error = number("patch-error", 0.1) as f32;
     config.rounds = number("rounds", 0.0) as u32;
     config.target = number("target", 0.06) as f32;

@@ -23,9 +23,6 @@ pub struct TransferConfig {
     pub seed: u64,
     /// Patches of the surface.
     pub patches: PatchConfig,
-    /// Widest patch, in harmonic mean distances of what is around it; infinite for patches of one
-    /// size.
-    pub patch_width: f32,
     /// What patches may get wrong before they are quartered: how much the light varies over them,
     /// relative to its mean, times how near surroundings are, relative to their width.
     pub patch_error: f32,
@@ -83,9 +80,8 @@ impl Default for TransferConfig {
                 count: 2_000,
                 ..PatchConfig::default()
             },
-            patch_width: f32::INFINITY,
             patch_error: 0.1,
-            finer_patches: 0.0,
+            finer_patches: 1.5,
             receiver_points: 8,
             rows: 30_000,
             paths: RowConfig {

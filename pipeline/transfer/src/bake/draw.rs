@@ -30,8 +30,6 @@ pub(crate) struct Chosen {
     pub(crate) points: Vec<RowPoint>,
     /// Others, spread as eyes see.
     pub(crate) even: Vec<RowPoint>,
-    /// Harmonic mean distance of what is around each of those.
-    pub(crate) distances: Vec<f32>,
 }
 
 /// Paths of a look.
@@ -81,7 +79,7 @@ pub(crate) fn choose(
     let looked: Vec<usize> = (0..pool.len())
         .filter(|&i| unit(i, 0)[0] < share || rare(i))
         .collect();
-    let (mut wanted, distances) = steep(tracer, patches, &pool, &looked, config, stream)?;
+    let mut wanted = steep(tracer, patches, &pool, &looked, config, stream)?;
     for members in seen.values() {
         let least = config.least_rows as f32 / members.len() as f32;
         let few = members.iter().filter(|&&i| unit(i as usize, 0)[1] < least);
@@ -102,14 +100,10 @@ pub(crate) fn choose(
         }
     }
     let even = looked.iter().map(|&i| pool[i]).collect();
-    Ok(Chosen {
-        points,
-        even,
-        distances,
-    })
+    Ok(Chosen { points, even })
 }
 
-/// Which of the points that are looked at become rows, and the distances around them.
+/// Which of the points that are looked at become rows.
 fn steep(
     tracer: &Tracer,
     patches: &Patches,
@@ -117,7 +111,7 @@ fn steep(
     looked: &[usize],
     config: &TransferConfig,
     stream: Stream,
-) -> Result<(Vec<bool>, Vec<f32>), TransferError> {
+) -> Result<Vec<bool>, TransferError> {
     let points: Vec<RowPoint> = looked.iter().map(|&i| pool[i]).collect();
     let rows = trace_rows(tracer, patches, &points, &LOOK, stream.part(2), 0)?;
     let near: Vec<f32> = rows.distance.iter().map(|d| 1.0 / d.max(NEAREST)).collect();
@@ -130,7 +124,7 @@ fn steep(
     for (k, &i) in looked.iter().enumerate() {
         wanted[i] = stream.part(3).units(i as u64, 0, 0)[2] < by * chance(k);
     }
-    Ok((wanted, rows.distance))
+    Ok(wanted)
 }
 
 /// Columns that some paths from the points meet.

@@ -72,8 +72,9 @@ pub(crate) fn judged_error(
         let contracted = [0, 1].map(|part: usize| contracted[part].as_slice());
         found.clear();
         answer_block(parts, contracted, &queries, &mut found);
-        for (((&row, query), found), sum) in judges.iter().zip(&queries).zip(&found).zip(&mut sums)
-        {
+        let levels = judged_levels(batch, judges, l);
+        let rows = judges.iter().zip(levels).zip(&mut sums);
+        for (((&row, level), sum), (query, found)) in rows.zip(queries.iter().zip(&found)) {
             let judged = &batch.table.judged[row as usize];
             let Some(halves) = judged.get(6 * l..6 * l + 6) else {
                 continue;

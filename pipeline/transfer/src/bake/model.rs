@@ -6,7 +6,7 @@ use super::config::TransferConfig;
 use super::draw::{PointDraw, choose, met};
 use super::lighting::Lighting;
 use super::rounds::{RoundStreams, Rounds};
-use super::sizes::finer_sizes;
+use super::sizes::{finer_sizes, uneven};
 use super::sketch::Sketch;
 use super::watch::{TransferStage, TransferWatch};
 use crate::TransferError;
@@ -44,20 +44,17 @@ pub fn bake_transfer(
     if watch.halted() {
         return Err(TransferError::Halted);
     }
-    let places = chosen.even.iter().map(|point| point.point.position);
-    let around: Vec<(Vec3, f32)> = places.zip(chosen.distances.iter().copied()).collect();
-    let edge = Patches::edge(scene, &config.patches);
-    let mut sizes = PatchSizes::new(&around, edge, config.patch_width);
-    if config.finer_patches > 0.0 {
+    let (sizes, patches) = if config.finer_patches > 0.0 {
         let used = met(tracer, &coarse, &chosen.even, stream)?;
-        let fixed = receiver_stream(config.seed);
-        let receivers = Receivers::new(tracer, &coarse, config.receiver_points, Some(&used), fixed);
-        let numbers = stream.part(12);
-        sizes.join(&finer_sizes(
-            tracer, &coarse, &receivers, lights, edge, config, numbers,
-        ));
-    }
-    let patches = Patches::new(scene, &config.patches, &sizes.field())?;
+        let (count, fixed) = (config.receiver_points, receiver_stream(config.seed));
+        let receivers = Receivers::new(tracer, &coarse, count, Some(&used), fixed);
+        let uneven = uneven(tracer, &coarse, &receivers, lights, stream.part(12));
+        let sides = receivers.into_sides();
+        finer_sizes(tracer, coarse, &sides, &uneven, config)?
+    } else {
+        let edge = Patches::edge(scene, &config.patches);
+        (PatchSizes::even(edge), coarse)
+    };
     let columns = ColumnTree::new(&patches);
     let pilot = some(&chosen.even, config.pilot_rows);
     let pilot_rows = trace_rows(tracer, &patches, &pilot, &config.paths, stream.part(4), 0)?;

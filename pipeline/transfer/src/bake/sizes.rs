@@ -8,6 +8,7 @@
 //! worst first, as long as there may be more.
 
 use super::config::TransferConfig;
+use crate::TransferError;
 use crate::irradiance::{Receivers, Side};
 use crate::lights::DirectLight;
 use crate::patches::{PatchSizes, Patches};
@@ -27,10 +28,13 @@ const NEAREST: f32 = 0.01;
 const BATCH: usize = 64;
 /// A side that gets less than this share of what the mean side gets counts as if it got that.
 const FLOOR: f32 = 0.02;
+/// Patches whose edge is below the common one by this, in powers of two, are small.
+const SMALL: f32 = 1.5;
+/// Sizes that are tried until there are few enough patches.
+const TRIALS: usize = 12;
 
 /// A patch of which rows take the light as even.
-struct Uneven {
-    patch: u32,
+pub(crate) struct Uneven {
     /// Deviation of the light over it, relative to its mean.
     varies: f32,
     /// Its edge over the distance of what is around it.
@@ -52,21 +56,59 @@ impl Uneven {
     }
 }
 
-/// Sizes for patches whose common edge is `edge`, from coarse ones and the points on them.
+/// Sizes for patches, from coarse ones and the points on them; those patches.
 pub(crate) fn finer_sizes(
+    tracer: &Tracer,
+    coarse: Patches,
+    receivers: &[Side],
+    uneven: &[Uneven],
+    config: &TransferConfig,
+) -> Result<(PatchSizes, Patches), TransferError> {
+    let scene = tracer.scene();
+    let edge = Patches::edge(scene, &config.patches);
+    let sizes = |error: f32| {
+        let mut sizes = PatchSizes::even(edge);
+        for (side, uneven) in receivers.iter().zip(uneven) {
+            let own = (edge / coarse.area[side.patch as usize].sqrt()).log2();
+            let quarterings = uneven.quarterings(error);
+            // sizes hold for all surfaces at a place: small things do not ask for those around them
+            if quarterings > 0 && own < SMALL {
+                let level = (own.max(0.0) + quarterings as f32).round() as u8;
+                let places = side.points.iter().map(|point| point.position);
+                let centre = coarse.centre[side.patch as usize];
+                places
+                    .chain([centre])
+                    .for_each(|at| sizes.demand(at, level));
+            }
+        }
+        sizes
+    };
+    let most = (f64::from(config.finer_patches) * config.patches.count as f64) as usize;
+    let mut error = config.patch_error;
+    for _ in 0..TRIALS {
+        let sizes = sizes(error);
+        let patches = Patches::new(scene, &config.patches, &sizes.field())?;
+        if patches.len() <= coarse.len() + most {
+            return Ok((sizes, patches));
+        }
+        let ratio = (patches.len() - coarse.len()) as f32 / most.max(1) as f32;
+        error *= ratio.sqrt().clamp(1.1, 2.0);
+    }
+    Ok((PatchSizes::even(edge), coarse))
+}
+
+/// What rows take as even on each side.
+pub(crate) fn uneven(
     tracer: &Tracer,
     coarse: &Patches,
     receivers: &Receivers,
     lights: &[&dyn DirectLight],
-    edge: f32,
-    config: &TransferConfig,
     stream: Stream,
-) -> PatchSizes {
+) -> Vec<Uneven> {
     let sides = receivers.each();
     let asked = of_each_kind(lights);
-    let spreads = asked.iter().map(|light| receivers.spreads(*light));
     let mut varies = vec![0.0f32; sides.len()];
-    for spread in spreads {
+    for spread in asked.iter().map(|light| receivers.spreads(*light)) {
         let lit = spread.iter().filter(|s| s[0] > 0.0);
         let (sum, count) = lit.fold((0.0, 0), |(sum, n), s| (sum + s[0], n + 1));
         let least = FLOOR * sum / count.max(1) as f32;
@@ -77,54 +119,12 @@ pub(crate) fn finer_sizes(
         }
     }
     let distances = distances(tracer, sides, stream);
-    let uneven: Vec<Uneven> = (sides.iter().zip(&varies).zip(distances))
+    (sides.iter().zip(&varies).zip(distances))
         .map(|((side, varies), distance)| Uneven {
-            patch: side.patch,
             varies: varies.sqrt(),
             near: coarse.area[side.patch as usize].sqrt() / distance,
         })
-        .collect();
-    let error = error_within(&uneven, config);
-    let demands = sides.iter().zip(&uneven).filter_map(|(side, uneven)| {
-        let own = (edge / coarse.area[side.patch as usize].sqrt()).log2();
-        let quarterings = uneven.quarterings(error);
-        let level = (own + quarterings as f32).round();
-        (quarterings > 0 && level >= 1.0).then_some((side, level as u8))
-    });
-    let mut sizes = PatchSizes::even(edge);
-    for (side, level) in demands {
-        let places = side.points.iter().map(|point| point.position);
-        let centre = coarse.centre[side.patch as usize];
-        places
-            .chain([centre])
-            .for_each(|at| sizes.demand(at, level));
-    }
-    sizes
-}
-
-/// The error that patches are held to: the one asked for, or a larger one, so that there are not
-/// too many of them.
-fn error_within(uneven: &[Uneven], config: &TransferConfig) -> f32 {
-    let patches = uneven
-        .iter()
-        .map(|u| u.patch)
-        .max()
-        .map_or(0, |p| p as usize + 1);
-    let added = |error: f32| -> f64 {
-        let mut finest = vec![0u32; patches];
-        for own in uneven {
-            let finest = &mut finest[own.patch as usize];
-            *finest = (*finest).max(own.quarterings(error));
-        }
-        finest.iter().map(|&k| f64::from(4u32.pow(k) - 1)).sum()
-    };
-    let most = f64::from(config.finer_patches) * config.patches.count as f64;
-    let mut error = config.patch_error;
-    // at most some hundred steps: errors are relative
-    while added(error) > most && error < 100.0 {
-        error *= 1.1;
-    }
-    error
+        .collect()
 }
 
 /// Some lights of each kind: points, lamps, and what comes from afar.
@@ -185,33 +185,23 @@ fn distances(tracer: &Tracer, sides: &[Side], stream: Stream) -> Vec<f32> {
 mod tests {
     use super::*;
 
-    /// Fewer quarterings where more error is allowed, none where it is small, and never more patches than
-    /// there may be.
+    /// Fewer quarterings where more error is allowed, and none where it is small.
     #[test]
-    fn quarterings_follow_error_and_count() {
+    fn quarterings_follow_the_error() {
         let open = Uneven {
-            patch: 0,
             varies: 0.5,
             near: 0.1,
         };
         let gap = Uneven {
-            patch: 1,
             varies: 1.5,
             near: 4.0,
         };
         assert_eq!(open.quarterings(0.06), 0);
         // 1.5 / 8 by half of what rows see of it
         assert_eq!(gap.error(3), 1.5 / 8.0 * 0.5);
-        assert_eq!(gap.quarterings(0.1), 3);
-        let mut config = TransferConfig {
-            patch_error: 0.1,
-            finer_patches: 1.0,
-            ..TransferConfig::default()
-        };
-        config.patches.count = 100;
-        let both = [open, gap];
-        assert_eq!(error_within(&both, &config), 0.1);
-        config.patches.count = 20;
-        assert_eq!(both[1].quarterings(error_within(&both, &config)), 2);
+        assert_eq!(
+            [0.1, 0.4, 2.0].map(|error| gap.quarterings(error)),
+            [3, 2, 0]
+        );
     }
 }

@@ -6,8 +6,7 @@ use std::collections::BTreeMap;
 /// Quarterings of a patch at most.
 const MOST: u8 = 4;
 
-/// Patch sizes in the cells of a grid: as small as surroundings are near, so that a patch in a gap
-/// is about as wide as the gap (Ward, Rubinstein, Clear 1988 space their samples alike).
+/// Patch sizes in the cells of a grid: smaller where surroundings are near and light varies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PatchSizes {
     /// Edge of a cell, metres.
@@ -17,28 +16,6 @@ pub struct PatchSizes {
 }
 
 impl PatchSizes {
-    /// From places and the harmonic mean distance of what is around each, for patches of an edge;
-    /// a patch is to be at most `width` times that distance wide.
-    pub fn new(around: &[(Vec3, f32)], patch_edge: f32, width: f32) -> PatchSizes {
-        let edge = 0.5 * patch_edge;
-        let mut sums: BTreeMap<[i32; 3], (f64, u32)> = BTreeMap::new();
-        for (place, distance) in around {
-            let sum = sums.entry(cell(*place, edge)).or_default();
-            sum.0 += f64::from(1.0 / distance.max(1e-3));
-            sum.1 += 1;
-        }
-        let level = |(sum, count): (f64, u32)| {
-            let distance = f64::from(count) / sum;
-            let wanted = (f64::from(patch_edge) / (f64::from(width) * distance)).log2();
-            wanted.ceil().clamp(0.0, f64::from(MOST)) as u8
-        };
-        let levels = sums.into_iter().map(|(key, sum)| (key, level(sum)));
-        PatchSizes {
-            edge,
-            levels: levels.filter(|l| l.1 > 0).collect(),
-        }
-    }
-
     /// Quarterings of a patch at most.
     pub(crate) const MOST: u8 = MOST;
 
@@ -54,14 +31,6 @@ impl PatchSizes {
     pub(crate) fn demand(&mut self, place: Vec3, level: u8) {
         let own = self.levels.entry(cell(place, self.edge)).or_default();
         *own = (*own).max(level.min(MOST));
-    }
-
-    /// Asks for all that other sizes for the same patches ask for.
-    pub(crate) fn join(&mut self, other: &PatchSizes) {
-        for (&key, &level) in &other.levels {
-            let own = self.levels.entry(key).or_default();
-            *own = (*own).max(level);
-        }
     }
 
     /// Size of a patch at a place, as a share of the largest.
@@ -89,13 +58,15 @@ mod tests {
     use crate::patches::SizeField;
 
     #[test]
-    fn gaps_are_fine_and_open_places_are_not() {
-        let near = [(Vec3::ZERO, 0.06), (Vec3::splat(0.01), 0.06)];
-        let far = [(Vec3::ONE, 2.0)];
-        let sizes = PatchSizes::new(&[near.as_slice(), &far].concat(), 0.2, 1.0);
+    fn places_are_as_fine_as_asked_for() {
+        let mut sizes = PatchSizes::even(0.2);
+        sizes.demand(Vec3::splat(0.01), 1);
+        sizes.demand(Vec3::splat(0.03), 2);
+        sizes.demand(Vec3::splat(0.05), 1);
+        sizes.demand(Vec3::ONE, 200);
         let size: SizeField = &sizes.field();
         assert_eq!(size(Vec3::splat(0.02)), 0.25);
-        assert_eq!(size(Vec3::ONE), 1.0);
+        assert_eq!(size(Vec3::splat(1.05)), 1.0 / f32::from(1u16 << MOST));
         assert_eq!(size(Vec3::splat(9.0)), 1.0);
     }
 }
