@@ -61,13 +61,17 @@ PROGRAM = RRF=$(abspath $(RRF)) RRF_EXAMPLES=$(abspath $(dir $(RRF))examples)
 python-tests: rust-tests python
 	$(PROGRAM) $(VENV)/bin/python -m pytest -q tests/python
 
-# kills, lost workers, conflicts, damages, hostile command lines, bounds of memory, full disks, object stores
+# kills, lost workers, conflicts, damages, hostile command lines, signals, the page under load, bounds of
+# memory, full disks, object stores
 run-tests: rust-tests python
 	$(PROGRAM) python3 tests/runs/workers.py
 	$(PROGRAM) python3 tests/runs/kill.py --kills 10
 	$(PROGRAM) python3 tests/runs/conflicts.py --pairs 14
 	$(PROGRAM) $(VENV)/bin/python tests/runs/damage.py --damages 40 --resumes 5
+	$(PROGRAM) python3 tests/cases.py
 	$(PROGRAM) python3 tests/runs/hostile.py
+	$(PROGRAM) python3 tests/runs/halt.py
+	$(PROGRAM) python3 tests/runs/page.py
 	$(PROGRAM) python3 tests/runs/memory.py
 	$(PROGRAM) python3 tests/runs/full_disk.py
 	$(PROGRAM) python3 tests/runs/store.py --server $(VENV)/bin/moto_server

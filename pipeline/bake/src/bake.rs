@@ -4,7 +4,7 @@ use crate::error::{BakeError, Halt};
 use crate::exec::context::SamplingContext;
 use crate::exec::evaluate::{evaluate_round, finished_part};
 use crate::exec::plan::plan_first;
-use crate::exec::stage::{extract_samples, train_nets};
+use crate::exec::stage::{extract_samples, halted, train_nets};
 use crate::exec::watch::Watch;
 use crate::plan::evaluation::{EvaluatedRound, Evaluation};
 use crate::plan::stop::StopReason;
@@ -43,10 +43,11 @@ pub fn bake(
     watch: &dyn Watch,
 ) -> Result<BakeOutcome, BakeError> {
     let unlit = scene.unlit();
-    let tracer = Tracer::new(&unlit)?;
+    let halt = || watch.halted().is_some();
+    let tracer = Tracer::new(&unlit)?.until(&halt);
     let context = SamplingContext::new(&unlit, &tracer, config)?;
     let run = Run::create(run, scene, config, resume)?;
-    let census = plan_first(&run, &context)?.census;
+    let census = halted(plan_first(&run, &context), watch)?.census;
     watch.sync().map_err(BakeError::Sync)?;
     let mut mends = Mends(MOST_MENDS);
     loop {

@@ -9,7 +9,7 @@ use rrf_train::TrainError;
 use rrf_transfer::TransferError;
 use std::path::PathBuf;
 
-/// Reason that a bake stops between two tasks.
+/// Reason that a bake stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Halt {
     /// The time limit.
@@ -120,7 +120,7 @@ pub enum BakeError {
     /// The run's files could not be stored at their remote location.
     #[error("{0}")]
     Sync(#[source] Box<dyn std::error::Error + Send + Sync>),
-    /// Stopped between two tasks; finished work is kept.
+    /// Stopped; finished tasks are kept.
     #[error("stopped by {}. Finished work is kept: continue with `rrf bake --resume`", match why { Halt::Time => "the time limit before the first round was done", Halt::Interrupt => "a signal" })]
     Halted {
         /// Why.
@@ -184,10 +184,21 @@ impl BakeError {
         }
     }
 
+    /// Whether a stage gave up because its user said so.
+    pub(crate) fn was_told_to_stop(&self) -> bool {
+        matches!(
+            self,
+            BakeError::Trace(TraceError::Halted)
+                | BakeError::Extract(ExtractError::Trace(TraceError::Halted))
+                | BakeError::Train(TrainError::Halted)
+        )
+    }
+
     /// Whether the same call fails until the input changes (exit code 2).
     pub fn is_bad_input(&self) -> bool {
         match self {
             BakeError::Store(error) => error.is_bad_input(),
+            error if error.was_told_to_stop() => false,
             BakeError::Halted { .. }
             | BakeError::TransferHalted { .. }
             | BakeError::Unfinished { .. }

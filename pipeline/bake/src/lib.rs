@@ -60,7 +60,7 @@ pub use exec::evaluate::evaluate_round;
 pub use exec::perform::perform;
 pub use exec::plan::{estimate, plan_first};
 pub use exec::stage::{extract_samples, train_nets};
-pub use exec::watch::Watch;
+pub use exec::watch::{HaltCheck, Watch};
 pub use plan::evaluation::{CellEvaluation, EvaluatedRound, Evaluation, TestError};
 pub use plan::next::Next;
 pub use plan::refinement::{Action, Refinement};

@@ -41,8 +41,8 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
     let bad = error.chain().any(|cause| {
         is(cause, |_: &BadInput| true)
             || is(cause, |_: &SceneError| true)
-            || is(cause, |_: &TraceError| true)
-            || is(cause, |_: &ExtractError| true)
+            || is(cause, TraceError::is_bad_input)
+            || is(cause, ExtractError::is_bad_input)
             || is(cause, |_: &FieldError| true)
             || is(cause, |_: &TransferError| true)
             || is(cause, |_: &MetricsError| true)

@@ -25,8 +25,8 @@ pub struct Bars {
 }
 
 impl Bars {
-    /// No bar yet. From now on the first SIGINT or SIGTERM stops the bake after the tasks at
-    /// hand, the second at once.
+    /// No bar yet. From now on the first SIGINT or SIGTERM stops the bake within a second, the tasks
+    /// at hand unfinished, and the second at once.
     pub fn new(quiet: bool, bounds: &Bounds) -> io::Result<Bars> {
         let interrupted = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {

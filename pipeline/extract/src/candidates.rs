@@ -146,12 +146,12 @@ fn hemisphere(n: Vec3, u1: f32, u2: f32) -> Vec3 {
 }
 
 /// The first `count` accepted rows of a proposal and the census of what was left out.
-/// Stops early once `patience` candidates a row wanted have been drawn.
+/// Stops early once `patience` candidates a row wanted have been drawn, or where its tracer is halted.
 pub fn accept(proposal: &Proposal, count: usize, patience: usize) -> Accepted {
     let mut accepted = Accepted::default();
     let limit = count.saturating_mul(patience).min(u32::MAX as usize) as u32;
     let mut next = 0u32;
-    while accepted.index.len() < count && next < limit {
+    while accepted.index.len() < count && next < limit && !proposal.tracer.is_halted() {
         let missing = (count - accepted.index.len()) as u32;
         let end = next
             .saturating_add(missing.clamp(LEAST_BLOCK, BLOCK))

@@ -43,3 +43,13 @@ pub enum ExtractError {
         message: &'static str,
     },
 }
+
+impl ExtractError {
+    /// Whether the same call fails until the input changes (exit code 2).
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            ExtractError::Trace(error) => error.is_bad_input(),
+            _ => true,
+        }
+    }
+}

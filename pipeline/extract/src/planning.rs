@@ -77,6 +77,7 @@ pub fn plan(
     .seen_by(eyes.as_ref())
     .without_traced(config.narrow);
     let drawn = accept(&proposal, config.candidates as usize, PATIENCE);
+    tracer.unless_halted(())?;
     if drawn.rows.is_empty() {
         return Err(nothing(drawn.census));
     }

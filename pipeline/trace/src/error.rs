@@ -70,6 +70,9 @@ pub enum TraceError {
         /// The length of that one.
         expected: usize,
     },
+    /// Its user told the tracer to give up ([`crate::Tracer::until`]).
+    #[error("stopped on request")]
+    Halted,
     /// A path count that cannot be split evenly.
     #[error(
         "{paths} paths cannot be split into {replicates} equal independent parts: ask for a multiple of {replicates}, at least one each"
@@ -80,4 +83,11 @@ pub enum TraceError {
         /// Independent parts asked for.
         replicates: u32,
     },
+}
+
+impl TraceError {
+    /// Whether the same call fails until the input changes (exit code 2).
+    pub fn is_bad_input(&self) -> bool {
+        !matches!(self, TraceError::Halted)
+    }
 }

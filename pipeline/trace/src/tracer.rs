@@ -39,6 +39,8 @@ pub struct Tracer<'s> {
     pub(crate) mirrors: Mirrors,
     /// Corners of the box about its triangles.
     pub(crate) bounds: [Vec3; 2],
+    /// Whether to give up.
+    halt: Option<&'s (dyn Fn() -> bool + Sync)>,
 }
 
 impl<'s> Tracer<'s> {
@@ -80,7 +82,31 @@ impl<'s> Tracer<'s> {
             materials: scene.materials.iter().map(Bsdf::of).collect(),
             lamps: LightSet::new(scene, &area_cdf, scene.area_lights.clone(), []),
             area_cdf,
+            halt: None,
         })
+    }
+
+    /// The same, which gives up soon after `halt` says so: estimates then end with
+    /// [`TraceError::Halted`]. Once it has said so it must not change its mind.
+    pub fn until(self, halt: &'s (dyn Fn() -> bool + Sync)) -> Tracer<'s> {
+        Tracer {
+            halt: Some(halt),
+            ..self
+        }
+    }
+
+    /// Whether it has been told to give up. Cheap enough for every thousand rays.
+    pub fn is_halted(&self) -> bool {
+        self.halt.is_some_and(|halt| halt())
+    }
+
+    /// # Errors
+    /// [`TraceError::Halted`] where it has been told to give up.
+    pub fn unless_halted<T>(&self, result: T) -> Result<T, TraceError> {
+        match self.is_halted() {
+            true => Err(TraceError::Halted),
+            false => Ok(result),
+        }
     }
 
     /// The scene that is traced.

@@ -33,6 +33,9 @@ pub enum TrainError {
     /// Irradiance does not tell what a glossy surface reflects.
     #[error("irradiance probes know Lambertian surfaces only, and some rows lie on others")]
     Glossy,
+    /// It was told to give up ([`crate::Start::halt`]).
+    #[error("stopped on request")]
+    Halted,
     /// A number of the configuration is out of its range.
     #[error("{name} is {value}, must be {range}")]
     Config {

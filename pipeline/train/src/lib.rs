@@ -53,6 +53,7 @@ pub mod fit;
 pub mod net;
 pub mod report;
 mod rows;
+mod start;
 
 pub use config::{ARCHITECTURES, Batches, Decay, Schedule, Size, TrainConfig};
 pub use end::FitEnd;
@@ -63,3 +64,4 @@ pub use report::{CellFit, HistoryRow};
 pub use rows::samples::Samples;
 pub use rrf_field::model::Kind;
 pub use rrf_lm::LmConfig;
+pub use start::Start;

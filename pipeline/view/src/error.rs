@@ -19,9 +19,6 @@ pub enum ViewError {
     /// No thread to trace with.
     #[error("no threads for path tracing: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The listening socket fails.
-    #[error("the page's server failed: {0}")]
-    Accept(std::io::Error),
 }
 
 impl ViewError {

@@ -1,19 +1,25 @@
 //! The listening socket, and a thread for each connection.
 
+use crate::connections::Connections;
 use crate::error::ViewError;
 use crate::http::{self, Head, PATIENCE, Way};
 use crate::show::Show;
 use crate::socket::Socket;
 use crate::{frames, page, traced};
 use rayon::ThreadPool;
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
 
-/// Most connections at once.
-const MOST_CONNECTIONS: usize = 64;
+/// Most viewers at once: connections that came with the token.
+const MOST_VIEWERS: usize = 64;
+/// Most connections whose request is not there yet; a further one takes the place of the oldest, so
+/// that slow ones keep nobody out.
+const MOST_WAITING: usize = 16;
+/// Pause before another try where the system gives no connection, for want of files or memory.
+const PAUSE: Duration = Duration::from_millis(20);
 
 /// A server on the loopback address, not yet answering.
 pub struct Server {
@@ -37,22 +43,10 @@ impl Stopper {
         // wakes the listener, which then sees the flag
         let _ = TcpStream::connect(self.address);
     }
-}
 
-/// Open connections by number, so that an ending server can close them.
-#[derive(Default)]
-struct Open(Mutex<BTreeMap<u64, TcpStream>>);
-
-impl Open {
-    /// No thread panics while it holds the list.
-    fn list(&self) -> MutexGuard<'_, BTreeMap<u64, TcpStream>> {
-        self.0.lock().unwrap_or_else(|poison| poison.into_inner())
-    }
-
-    fn close_all(&self) {
-        for stream in self.list().values() {
-            let _ = stream.shutdown(Shutdown::Both);
-        }
+    /// Whether the server has been ended.
+    pub fn is_stopped(&self) -> bool {
+        self.stopped.load(Ordering::SeqCst)
     }
 }
 
@@ -89,48 +83,54 @@ impl Server {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()?;
-        let (open, pool) = (&Open::default(), &pool);
+        let (open, pool) = (&Connections::default(), &pool);
         std::thread::scope(|scope| {
             for number in 0.. {
                 let accepted = self.listener.accept();
                 if self.stopped.load(Ordering::SeqCst) {
                     break;
                 }
-                let (mut stream, _) = match accepted {
-                    Ok(accepted) => accepted,
-                    // a connection that ended before it was accepted
-                    Err(e) if e.kind() == std::io::ErrorKind::ConnectionAborted => continue,
-                    Err(error) => {
-                        open.close_all();
-                        return Err(ViewError::Accept(error));
-                    }
-                };
-                let Ok(copy) = stream.try_clone() else {
+                // out of files or memory, or a connection that ended before it was accepted
+                let copied = accepted.and_then(|(stream, _)| Ok((stream.try_clone()?, stream)));
+                let Ok((copy, stream)) = copied else {
+                    open.close_oldest_waiting();
+                    std::thread::sleep(PAUSE);
                     continue;
                 };
-                if open.list().len() >= MOST_CONNECTIONS {
-                    let (status, body) = http::FULL;
-                    let _ = stream.set_write_timeout(Some(PATIENCE));
-                    let _ = http::answer(&mut stream, status, "text/plain", "", body);
-                    continue;
+                if open.waiting() >= MOST_WAITING {
+                    open.close_oldest_waiting();
                 }
-                open.list().insert(number, copy);
-                scope.spawn(move || {
-                    self.connection(show, pool, stream);
-                    open.list().remove(&number);
+                open.add(number, copy);
+                let started = std::thread::Builder::new().spawn_scoped(scope, move || {
+                    self.connection(show, pool, stream, || open.admit(number, MOST_VIEWERS));
+                    open.remove(number);
                 });
+                if started.is_err() {
+                    open.remove(number);
+                }
             }
             open.close_all();
             Ok(())
         })
     }
 
-    /// One connection from its first byte to its last. Errors end it: there is nobody to tell.
-    fn connection(&self, show: &Show, pool: &ThreadPool, mut stream: TcpStream) {
+    /// One connection from its first byte to its last; `has_room` says whether there may be one more
+    /// viewer. Errors end it: there is nobody to tell.
+    fn connection(
+        &self,
+        show: &Show,
+        pool: &ThreadPool,
+        mut stream: TcpStream,
+        has_room: impl Fn() -> bool,
+    ) {
         let _ = stream.set_nodelay(true);
+        let _ = stream.set_write_timeout(Some(PATIENCE));
         let admitted = http::read_head(&mut stream).and_then(|head| {
             let way = head.admit(self.address.port(), &self.token)?;
-            Ok((head, way))
+            match has_room() {
+                true => Ok((head, way)),
+                false => Err(http::FULL),
+            }
         });
         let ended = match admitted {
             Ok((head, Way::Page)) => self.page(&mut stream, &head),

@@ -28,6 +28,7 @@ impl Socket {
         );
         stream.write_all(answer.as_bytes()).map_err(|_| Ended)?;
         stream.set_read_timeout(None).map_err(|_| Ended)?;
+        stream.set_write_timeout(None).map_err(|_| Ended)?;
         let config = WebSocketConfig::default()
             .max_message_size(Some(LONGEST))
             .max_frame_size(Some(LONGEST));

@@ -1,6 +1,7 @@
 //! The fit of one cell, with its rows in memory, or in a scratch file where they are too many.
 
 use crate::error::BakeError;
+use crate::exec::watch::HaltCheck;
 use crate::plan::round::CellPlan;
 use crate::plan::shard::Job;
 use crate::policy::held_out::is_held_out;
@@ -16,17 +17,26 @@ use rrf_store::model::{self, CellMetrics, Fit, FitStep};
 use rrf_store::samples::SampleTable;
 use rrf_store::{StoreError, atomic};
 use rrf_train::fit::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, HistoryRow, Samples, TrainConfig, fit_from};
+use rrf_train::{CellFit, HistoryRow, Samples, Start, TrainConfig, fit_from};
 
 /// Fits a cell and writes the fit.
-pub(crate) fn fit_cell(run: &Run, job: &Job, memory: Option<u64>) -> Result<(), BakeError> {
+pub(crate) fn fit_cell(
+    run: &Run,
+    job: &Job,
+    memory: Option<u64>,
+    halt: Option<HaltCheck>,
+) -> Result<(), BakeError> {
     let (task, cell) = (&job.task, &job.cell.plan);
     let config = fit_config(&run.config, job.facts.mean_radiance, cell);
     let spills = memory.is_some_and(|memory| task.memory > memory);
     let earlier = earlier(run, cell)?;
+    let start = Start {
+        earlier: earlier.as_ref(),
+        halt,
+    };
     let (fit, facts) = match spills {
-        true => spilled(run, job, config, earlier.as_ref()),
-        false => held(run, job, config, earlier.as_ref()),
+        true => spilled(run, job, config, start),
+        false => held(run, job, config, start),
     }?;
     let steps: Vec<FitStep> = (1..).zip(&fit.history).map(step).collect();
     let fit = Fit {
@@ -74,7 +84,7 @@ fn held(
     run: &Run,
     job: &Job,
     config: TrainConfig,
-    earlier: Option<&CellModel>,
+    start: Start,
 ) -> Result<(CellFit, RowFacts), BakeError> {
     let (cell, lambert) = (&job.cell.plan, &job.facts.lambert);
     let table = read_cell(run, cell)?;
@@ -83,7 +93,7 @@ fn held(
     let config = facts.config(config);
     let held_out = held_out(&table, config.seed);
     let samples = samples(&table, &held_out);
-    let fit = fit_from(earlier, cell.cell, samples, &config)?;
+    let fit = fit_from(start, cell.cell, samples, &config)?;
     facts.add_noise(&table, fit.floor);
     Ok((fit, facts))
 }
@@ -93,7 +103,7 @@ fn spilled(
     run: &Run,
     job: &Job,
     config: TrainConfig,
-    earlier: Option<&CellModel>,
+    start: Start,
 ) -> Result<(CellFit, RowFacts), BakeError> {
     let (cell, lambert) = (&job.cell.plan, &job.facts.lambert);
     let mut facts = RowFacts::default();
@@ -109,7 +119,7 @@ fn spilled(
         })
     };
     let fit =
-        fit_spilled(earlier, cell.cell, pass, &scratch, &config).map_err(|error| match error {
+        fit_spilled(start, cell.cell, pass, &scratch, &config).map_err(|error| match error {
             SpillError::Train(error) => error.into(),
             SpillError::Rows(error) => error,
             SpillError::Scratch(source) => BakeError::Store(StoreError::Io {

@@ -57,6 +57,14 @@ pub(crate) fn unfinished(
     Ok(todo)
 }
 
+/// Names the reason where work was given up.
+pub(crate) fn halted<T>(result: Result<T, BakeError>, watch: &dyn Watch) -> Result<T, BakeError> {
+    match (result, watch.halted()) {
+        (Err(error), Some(why)) if error.was_told_to_stop() => Err(BakeError::Halted { why }),
+        (result, _) => result,
+    }
+}
+
 fn stage(
     run: &Run,
     plan: &RoundPlan,
@@ -78,7 +86,15 @@ fn stage(
         if let Some(why) = watch.halted() {
             return Err(BakeError::Halted { why });
         }
-        perform(run, &Job::of(plan, task)?, context, pool.memory)?;
+        let halt = || watch.halted().is_some();
+        let done = perform(
+            run,
+            &Job::of(plan, task)?,
+            context,
+            pool.memory,
+            Some(&halt),
+        );
+        halted(done, watch)?;
         watch.sync().map_err(BakeError::Sync)?;
         watch.advance(weight(task));
         Ok(())

@@ -5,6 +5,9 @@ use crate::plan::evaluation::Evaluation;
 use crate::plan::task::TaskKind;
 use std::time::Duration;
 
+/// Asks whether to give up.
+pub type HaltCheck<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// Observes a bake. Every method has a default: `&()` neither shows nor limits anything.
 pub trait Watch: Sync {
     /// A stage of `total` steps begins.
@@ -25,11 +28,12 @@ pub trait Watch: Sync {
     fn memory(&self) -> Option<u64> {
         None
     }
-    /// Time until no further task should begin; none for no limit.
+    /// Time until the work should end; none for no limit.
     fn left(&self) -> Option<Duration> {
         None
     }
-    /// The reason that no further task should begin, if any.
+    /// The reason to give up, if any: asked many times a second, within tasks too. Once there is a reason
+    /// there must remain one.
     fn halted(&self) -> Option<Halt> {
         None
     }

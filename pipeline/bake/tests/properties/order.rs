@@ -48,7 +48,7 @@ proptest! {
                 let task = &tasks[index % tasks.len()];
                 match lost {
                     true => lose(run, task),
-                    false => match perform(run, &Job::of(plan, task).unwrap(), Some(context), None) {
+                    false => match perform(run, &Job::of(plan, task).unwrap(), Some(context), None, None) {
                         Ok(()) => prop_assert!(run.is_done(task).unwrap()),
                         Err(BakeError::NotExtracted { .. }) => {
                             prop_assert_eq!(task.kind, TaskKind::Train);

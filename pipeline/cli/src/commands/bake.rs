@@ -8,7 +8,7 @@ use crate::scene_file;
 use crate::stats::processor_time;
 use rrf_bake::settings::Method;
 use rrf_bake::{
-    BakeConfig, BakeError, BakeOutcome, Evaluation, Next, Run, SamplingContext, Settings,
+    BakeConfig, BakeError, BakeOutcome, Evaluation, Next, Run, SamplingContext, Settings, Watch,
 };
 use rrf_extract::{Census, Region};
 use rrf_scene::Scene;
@@ -68,9 +68,12 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     let location = RunLocation::whole(&bake.output)?;
     let config = config(asked, &scene)?;
     let unlit = scene.unlit();
-    let tracer = Tracer::new(&unlit)?;
+    let folder = location.folder().to_path_buf();
+    let watch = Bars::new(quiet, &bake.bounds)?.keeping(location);
+    let halt = || watch.halted().is_some();
+    let tracer = Tracer::new(&unlit)?.until(&halt);
     let context = SamplingContext::new(&unlit, &tracer, &config)?;
-    let run = Run::create(location.folder(), &scene, &config, bake.resume)?;
+    let run = Run::create(&folder, &scene, &config, bake.resume)?;
     let first = rrf_bake::plan_first(&run, &context)?;
     let plan = run.progress()?.todo.unwrap_or(first);
     let only = (!args.cell.is_empty()).then_some(args.cell.as_slice());
@@ -78,7 +81,6 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
     if let Some(&cell) = args.cell.iter().find(|&&cell| cell > last) {
         return Err(BakeError::NoSuchCell { cell, last }.into());
     }
-    let watch = Bars::new(quiet, &bake.bounds)?.keeping(location);
     rrf_bake::extract_samples(&run, &plan, &context, only, &watch)?;
     print_census(&plan.census);
     println!(

@@ -111,9 +111,9 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
             let scene = run.load_scene()?.unlit();
             let tracer = Tracer::new(&scene)?;
             let context = SamplingContext::new(&scene, &tracer, &run.config)?;
-            rrf_bake::perform(&run, &job, Some(&context), args.memory)?;
+            rrf_bake::perform(&run, &job, Some(&context), args.memory, None)?;
         }
-        TaskKind::Train => match rrf_bake::perform(&run, &job, None, args.memory) {
+        TaskKind::Train => match rrf_bake::perform(&run, &job, None, args.memory, None) {
             // it can succeed later
             Err(error @ BakeError::NotExtracted { .. }) => {
                 anyhow::bail!("task {index} waits for an extraction: {error}")

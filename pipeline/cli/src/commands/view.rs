@@ -37,7 +37,11 @@ pub struct ViewPageArgs {
 /// Serves the page until a signal ends it.
 pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
     let baked = Baked::open(&args.run, args.trust.trust_error)?;
-    let tracer = Tracer::new(&baked.unlit)?;
+    let server = Server::bind(args.port)?;
+    let stopper = server.stopper();
+    // a pass of paths at the page's full size takes minutes
+    let halt = || stopper.is_stopped();
+    let tracer = Tracer::new(&baked.unlit)?.until(&halt);
     let ready = baked.ready(&tracer)?;
     let mut start = args.camera.view(&baked.scene)?;
     if args.camera.size.is_none() {
@@ -67,9 +71,8 @@ pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
         run: args.run.display().to_string(),
     };
     ignore_broken_pipes();
-    let server = Server::bind(args.port)?;
     let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).context("signals")?;
-    let (handle, stopper) = (signals.handle(), server.stopper());
+    let (handle, waited) = (signals.handle(), server.stopper());
     println!("{}", server.url());
     println!("open it in a browser on this machine; Ctrl-C ends");
     if args.open {
@@ -77,7 +80,7 @@ pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
     }
     let waiting = std::thread::spawn(move || {
         if signals.forever().next().is_some() {
-            stopper.stop();
+            waited.stop();
         }
     });
     let served = server.run(&show);

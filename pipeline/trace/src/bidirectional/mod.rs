@@ -72,6 +72,9 @@ fn query(
         let lights = Lights::new(part, row, openings.as_ref());
         let mut sum = DVec3::ZERO;
         for first in (0..each).step_by(BATCH) {
+            if part.tracer.is_halted() {
+                break;
+            }
             let numbers = first..each.min(first + BATCH);
             sum += joined.run((part, &lights), row, numbers, (each, table));
         }

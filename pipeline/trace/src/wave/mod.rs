@@ -30,7 +30,8 @@ const BATCH: usize = 1024;
 /// product with the time they take is flat about here.
 pub(crate) const KEEP: f32 = 1.5;
 
-/// Mean of `each` paths at every row. A row's bits depend on the row, not on the others.
+/// Mean of `each` paths at every row. A row's bits depend on the row, not on the others. A tracer
+/// that is told to give up leaves values of no meaning: the caller has to ask it.
 pub(crate) fn estimate(part: &Part, rows: &[Row], each: usize) -> Vec<Vec3> {
     let table = Table::new(each);
     let mut values = vec![Vec3::ZERO; rows.len()];
@@ -53,6 +54,9 @@ pub(crate) fn estimate(part: &Part, rows: &[Row], each: usize) -> Vec<Vec3> {
 fn means(wave: &mut Wave, part: &Part, table: &Table, rows: &[Row], each: usize) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; rows.len()];
     for first_path in (0..each).step_by(BATCH) {
+        if part.tracer.is_halted() {
+            break;
+        }
         let paths = BATCH.min(each - first_path);
         let values = wave.run(&Batch {
             part: *part,

@@ -149,7 +149,8 @@ impl Wave {
             }
             self.gather_light(batch);
             self.travel(batch, bounce);
-            if self.paths.is_empty() || batch.part.direct {
+            let ends = self.paths.is_empty() || batch.part.direct;
+            if ends || batch.part.tracer.is_halted() {
                 break;
             }
         }

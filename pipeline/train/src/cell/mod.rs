@@ -8,11 +8,12 @@ use crate::config::{Schedule, TrainConfig};
 use crate::error::TrainError;
 use crate::net::problem::Loss;
 use crate::net::tile::CHANNELS;
-use crate::rows::CellRows;
 use crate::rows::chunk::Chunk;
 use crate::rows::order::{Order, OrderedRows, Uses};
 use crate::rows::samples::Samples;
 use crate::rows::units::{Input, Units};
+use crate::rows::{CellRows, Halt};
+use crate::start::Start;
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_metrics::relative::{channel_mean, epsilon};
@@ -43,13 +44,14 @@ pub(crate) struct Cell<'a> {
     pub dropped_inputs: Vec<u8>,
     /// A net to go on from.
     pub earlier: Option<&'a CellModel>,
+    halt: Halt<'a>,
 }
 
 /// What is known of a cell before its rows are.
 pub(crate) struct Preparation<'a> {
     id: u32,
     config: &'a TrainConfig,
-    earlier: Option<&'a CellModel>,
+    start: Start<'a>,
     stream: Stream,
     inputs: Vec<u8>,
     /// Inputs that cannot matter.
@@ -60,7 +62,7 @@ impl<'a> Preparation<'a> {
     /// Checks the settings.
     pub fn new(
         id: u32,
-        earlier: Option<&'a CellModel>,
+        start: Start<'a>,
         config: &'a TrainConfig,
     ) -> Result<Preparation<'a>, TrainError> {
         config.check()?;
@@ -71,7 +73,7 @@ impl<'a> Preparation<'a> {
         Ok(Preparation {
             id,
             config,
-            earlier,
+            start,
             stream: Stream::in_counter(config.seed, Stage::Train, id),
             inputs,
             dropped,
@@ -90,6 +92,7 @@ impl<'a> Preparation<'a> {
 
     /// The cell, its rows in order.
     pub fn finish(self, raw: OrderedRows<'a>, uses: Uses) -> Cell<'a> {
+        let Start { earlier, halt } = self.start;
         let config = self.config;
         let divide_base = config.divide_base;
         let (train, all) = (uses.train.len(), uses.train.len() + uses.validation.len());
@@ -115,15 +118,16 @@ impl<'a> Preparation<'a> {
         };
         Cell {
             id: self.id,
-            train: CellRows::new(&raw, 0..train, &units),
-            validation: CellRows::new(&raw, train..all, &units),
+            train: CellRows::new(&raw, 0..train, &units, halt),
+            validation: CellRows::new(&raw, train..all, &units, halt),
             rows: uses.rows,
             loss,
             noise,
             stream: self.stream,
             quarantined: uses.quarantined,
             dropped_inputs: [self.dropped, redundant, unvaried].concat(),
-            earlier: self.earlier,
+            earlier,
+            halt,
             config,
             raw,
             units,
@@ -137,11 +141,11 @@ impl<'a> Cell<'a> {
     pub fn new(
         id: u32,
         samples: Samples<'a>,
-        earlier: Option<&'a CellModel>,
+        start: Start<'a>,
         config: &'a TrainConfig,
     ) -> Result<Cell<'a>, TrainError> {
         samples.check()?;
-        let preparation = Preparation::new(id, earlier, config)?;
+        let preparation = Preparation::new(id, start, config)?;
         let mut order = preparation.order();
         preparation.add(&samples, &mut order);
         let uses = order.finish();
@@ -149,12 +153,17 @@ impl<'a> Cell<'a> {
         Ok(preparation.finish(OrderedRows::Held(raw), uses))
     }
 
+    /// Whether its fit should give up.
+    pub fn is_halted(&self) -> bool {
+        self.halt.is_some_and(|halt| halt())
+    }
+
     /// Gives the cell other inputs.
     pub fn set_inputs(&mut self, inputs: Vec<Input>) {
         self.units.inputs = inputs;
         let (train, all) = (self.train.len(), self.train.len() + self.validation.len());
-        self.train = CellRows::new(&self.raw, 0..train, &self.units);
-        self.validation = CellRows::new(&self.raw, train..all, &self.units);
+        self.train = CellRows::new(&self.raw, 0..train, &self.units, self.halt);
+        self.validation = CellRows::new(&self.raw, train..all, &self.units, self.halt);
     }
 
     /// The shape with these hidden layers.

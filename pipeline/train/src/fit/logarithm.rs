@@ -26,6 +26,10 @@ impl<R: Rows> Rows for Logarithms<R> {
         self.rows.held()
     }
 
+    fn halted(&self) -> bool {
+        self.rows.halted()
+    }
+
     fn load(&self, first: usize, batch: &mut Batch) {
         self.rows.load(first, batch);
         for row in 0..batch.rows {

@@ -18,9 +18,10 @@ use crate::end::FitEnd;
 use crate::error::TrainError;
 use crate::report::{CellFit, Course, Net, Trained, report};
 use crate::rows::samples::Samples;
+use crate::start::Start;
 use evaluator::Evaluator;
 use rrf_field::columns::Columns;
-use rrf_field::model::{CellModel, Kind};
+use rrf_field::model::Kind;
 use rrf_lm::Termination;
 
 /// Fits one cell. `halves` are two independent estimates of each row's radiance
@@ -42,27 +43,30 @@ pub fn fit_cell(
         halves,
         validation,
     };
-    fit_from(None, cell, samples, config)
+    fit_from(Start::default(), cell, samples, config)
 }
 
-/// [`fit_cell`] that goes on from an earlier net: that of a cell around this one or of fewer rows.
-/// It is used where the two are of one kind and the earlier one is no larger.
+/// [`fit_cell`] that may go on from an earlier net and may be told to give up.
 ///
 /// # Errors
-/// As [`fit_cell`].
+/// As [`fit_cell`], and [`TrainError::Halted`].
 pub fn fit_from(
-    earlier: Option<&CellModel>,
+    start: Start,
     cell: u32,
     samples: Samples,
     config: &TrainConfig,
 ) -> Result<CellFit, TrainError> {
-    Ok(fit_prepared(Cell::new(cell, samples, earlier, config)?))
+    fit_prepared(Cell::new(cell, samples, start, config)?)
 }
 
-fn fit_prepared(mut cell: Cell) -> CellFit {
+fn fit_prepared(mut cell: Cell) -> Result<CellFit, TrainError> {
     let trained = train(&mut cell);
     let errors = evaluator::evaluate(&cell, &trained.model);
-    report(cell, trained, errors)
+    // sums over rows that were broken off are of no use
+    if cell.is_halted() {
+        return Err(TrainError::Halted);
+    }
+    Ok(report(cell, trained, errors))
 }
 
 /// The model of least validation error that the configuration leads to.

@@ -75,6 +75,9 @@ pub(crate) fn train(cell: &Cell, shape: Shape, batches: Batches) -> (Net, Course
     let (mut history, mut share) = (Vec::new(), 1.0);
     let rows = cell.train.len();
     for first in (0..rows).step_by(batches.rows) {
+        if cell.is_halted() {
+            break;
+        }
         let part = cell.train.part(first..first + batches.rows);
         let residuals = part.residuals().max(1);
         let alpha = cell.config.decay.start() * residuals as f64;

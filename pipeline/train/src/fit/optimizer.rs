@@ -126,6 +126,9 @@ impl<'a> OptimizerRun<'a> {
         let config = self.cell.config;
         let mut since_best = 0;
         for taken in 1..=phase.steps {
+            if self.cell.is_halted() {
+                break;
+            }
             let alpha = self.alpha * self.residuals;
             let step = match self.solver.step(problem, &mut self.w, alpha) {
                 Ok(step) => step,

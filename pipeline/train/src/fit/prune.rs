@@ -78,7 +78,7 @@ pub(crate) fn prune(cell: &mut Cell, mut net: Net, limit: f64) -> Net {
         return net;
     };
     let (mut most, mut tries) = (usize::MAX, 0);
-    while tries < TRIES {
+    while tries < TRIES && !cell.is_halted() {
         let room = PREDICTED * (limit - net.error);
         let Some((columns, weights)) = order.without(&net, tries, most, room) else {
             break;

@@ -12,7 +12,7 @@ use crate::rows::chunk::Chunk;
 use crate::rows::order::{OrderedRows, Uses};
 use crate::rows::samples::Samples;
 use crate::rows::scratch::Scratch;
-use rrf_field::model::CellModel;
+use crate::start::Start;
 use std::fs::File;
 use std::io;
 use std::rc::Rc;
@@ -42,13 +42,13 @@ pub enum SpillError<E: std::error::Error + 'static> {
 /// [`crate::fit_from`] with rows that `pass` hands on piece by piece, the same at every call, and
 /// `scratch`, an empty file open for reading and writing, to keep them in.
 pub fn fit_spilled<E: std::error::Error>(
-    earlier: Option<&CellModel>,
+    start: Start,
     cell: u32,
     pass: impl Fn(&mut dyn FnMut(&Samples)) -> Result<(), E>,
     scratch: &File,
     config: &TrainConfig,
 ) -> Result<CellFit, SpillError<E>> {
-    let preparation = Preparation::new(cell, earlier, config)?;
+    let preparation = Preparation::new(cell, start, config)?;
     let mut order = preparation.order();
     let mut faulty = None;
     pass(&mut |piece| match piece.check() {
@@ -67,7 +67,7 @@ pub fn fit_spilled<E: std::error::Error>(
     let fit = fit_prepared(preparation.finish(raw, uses));
     match scratch.failure() {
         Some(failure) => Err(SpillError::Scratch(failure)),
-        None => Ok(fit),
+        None => Ok(fit?),
     }
 }
 

@@ -52,6 +52,9 @@ impl Loss {
 /// hidden units duplicate each other.
 const RIDGE: f64 = 1e-12;
 
+/// Tiles between two looks at whether to give up.
+const ASKED: usize = 8;
+
 /// A net of one shape on some rows.
 pub struct NetProblem<R: Rows> {
     rows: R,
@@ -130,6 +133,9 @@ impl<R: Rows> NetProblem<R> {
     /// Runs the net over all rows and hands each tile to `see` with its first row.
     pub fn each_tile(&mut self, w: &[f64], mut see: impl FnMut(usize, &Tile)) {
         for first in (0..self.rows.len()).step_by(TILE_ROWS) {
+            if self.halts(first) {
+                break;
+            }
             self.load(first);
             self.tile.forward(w);
             see(first, &self.tile);
@@ -144,6 +150,9 @@ impl<R: Rows> NetProblem<R> {
         }
         self.output_sums.clear();
         for first in (0..self.rows.len()).step_by(TILE_ROWS) {
+            if self.halts(first) {
+                break;
+            }
             self.load(first);
             self.tile.forward(w);
             if self.fresh {
@@ -166,6 +175,11 @@ impl<R: Rows> NetProblem<R> {
             w[top].iter_mut().zip(&delta).for_each(|(w, d)| *w += d);
         }
         solved.is_ok()
+    }
+
+    /// Whether a pass ends at row `first`: rows are asked now and then.
+    fn halts(&self, first: usize) -> bool {
+        first.is_multiple_of(ASKED * TILE_ROWS) && self.rows.halted()
     }
 
     fn load(&mut self, first: usize) {
@@ -196,6 +210,9 @@ impl<R: Rows> Problem for NetProblem<R> {
     fn cost(&mut self, w: &[f64]) -> f64 {
         let mut sum = 0.0;
         for first in (0..self.rows.len()).step_by(TILE_ROWS) {
+            if self.halts(first) {
+                break;
+            }
             self.load(first);
             self.tile.forward(w);
             sum += self.tile.residuals(&self.divisor[first..]);
@@ -207,6 +224,9 @@ impl<R: Rows> Problem for NetProblem<R> {
         let mut sum = 0.0;
         self.sums.clear();
         for first in (0..self.rows.len()).step_by(TILE_ROWS) {
+            if self.halts(first) {
+                break;
+            }
             self.load(first);
             self.tile.forward(w);
             self.renew(first);
@@ -224,6 +244,9 @@ impl<R: Rows> Problem for NetProblem<R> {
         let mut sum = 0.0;
         self.linearised.begin(w, self.rows.held());
         for first in (0..self.rows.len()).step_by(TILE_ROWS) {
+            if self.halts(first) {
+                break;
+            }
             self.load(first);
             self.tile.forward(w);
             self.renew(first);
@@ -243,6 +266,9 @@ impl<R: Rows> Problem for NetProblem<R> {
         }
         self.linearised.restart();
         for first in (0..self.rows.len()).step_by(TILE_ROWS) {
+            if self.halts(first) {
+                break;
+            }
             self.load(first);
             self.tile.forward(&self.linearised.w);
             self.tile.residuals(&self.divisor[first..]);
@@ -255,6 +281,9 @@ impl<R: Rows> Problem for NetProblem<R> {
     fn curvature(&mut self, w: &[f64], v: &[f64], out: &mut [f64]) -> bool {
         self.linearised.begin(w, false);
         for first in (0..self.rows.len()).step_by(TILE_ROWS) {
+            if self.halts(first) {
+                break;
+            }
             self.load(first);
             self.tile.forward(w);
             self.tile.residuals(&self.divisor[first..]);

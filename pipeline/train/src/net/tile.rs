@@ -63,6 +63,10 @@ pub trait Rows {
     fn held(&self) -> bool {
         true
     }
+    /// Whether to give up: what is summed over them then has no meaning.
+    fn halted(&self) -> bool {
+        false
+    }
 }
 
 impl<R: Rows> Rows for &R {
@@ -76,6 +80,10 @@ impl<R: Rows> Rows for &R {
 
     fn held(&self) -> bool {
         (*self).held()
+    }
+
+    fn halted(&self) -> bool {
+        (*self).halted()
     }
 }
 

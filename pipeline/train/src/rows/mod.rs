@@ -16,27 +16,41 @@ use std::ops::Range;
 use streamed::StreamedRows;
 use units::Units;
 
+/// Asks whether a fit should give up; none for never.
+pub type Halt<'a> = Option<&'a (dyn Fn() -> bool + Sync)>;
+
 /// Rows of a cell that are trained on, or those held out.
-pub(crate) enum CellRows<'a> {
+pub(crate) struct CellRows<'a> {
+    kept: Kept<'a>,
+    halt: Halt<'a>,
+}
+
+enum Kept<'a> {
     Held(MemoryRows),
     Streamed(StreamedRows<'a>),
 }
 
 impl<'a> CellRows<'a> {
     /// A range of a cell's rows.
-    pub fn new(ordered: &OrderedRows<'a>, range: Range<usize>, units: &Units) -> CellRows<'a> {
-        match ordered {
-            OrderedRows::Held(chunk) => CellRows::Held(MemoryRows::new(chunk, range, units)),
+    pub fn new(
+        ordered: &OrderedRows<'a>,
+        range: Range<usize>,
+        units: &Units,
+        halt: Halt<'a>,
+    ) -> CellRows<'a> {
+        let kept = match ordered {
+            OrderedRows::Held(chunk) => Kept::Held(MemoryRows::new(chunk, range, units)),
             OrderedRows::Spilled(scratch) => {
-                CellRows::Streamed(StreamedRows::new(scratch.clone(), range, units.clone()))
+                Kept::Streamed(StreamedRows::new(scratch.clone(), range, units.clone()))
             }
-        }
+        };
+        CellRows { kept, halt }
     }
 
     pub fn len(&self) -> usize {
-        match self {
-            CellRows::Held(rows) => rows.len(),
-            CellRows::Streamed(rows) => rows.len(),
+        match &self.kept {
+            Kept::Held(rows) => rows.len(),
+            Kept::Streamed(rows) => rows.len(),
         }
     }
 
@@ -66,9 +80,9 @@ pub(crate) struct Part<'a> {
 impl Part<'_> {
     /// How many residuals count.
     pub fn residuals(&self) -> usize {
-        match self.of {
-            CellRows::Held(rows) => rows.residuals(self.first..self.end),
-            CellRows::Streamed(rows) => rows.residuals(self.first..self.end),
+        match &self.of.kept {
+            Kept::Held(rows) => rows.residuals(self.first..self.end),
+            Kept::Streamed(rows) => rows.residuals(self.first..self.end),
         }
     }
 }
@@ -79,14 +93,18 @@ impl Rows for Part<'_> {
     }
 
     fn held(&self) -> bool {
-        matches!(self.of, CellRows::Held(_))
+        matches!(self.of.kept, Kept::Held(_))
+    }
+
+    fn halted(&self) -> bool {
+        self.of.halt.is_some_and(|halt| halt())
     }
 
     fn load(&self, first: usize, batch: &mut Batch) {
         let first = self.first + first;
-        match self.of {
-            CellRows::Held(rows) => rows.load_until(first, self.end, batch),
-            CellRows::Streamed(rows) => rows.load_until(first, self.end, batch),
+        match &self.of.kept {
+            Kept::Held(rows) => rows.load_until(first, self.end, batch),
+            Kept::Streamed(rows) => rows.load_until(first, self.end, batch),
         }
     }
 }

@@ -7,7 +7,7 @@ use rrf_field::model::CellModel;
 use rrf_field::tree::Tree;
 use rrf_train::Samples;
 use rrf_train::{
-    Batches, CellFit, FitEnd, Kind, Schedule, TrainConfig, TrainError, fit_cell, fit_from,
+    Batches, CellFit, FitEnd, Kind, Schedule, Start, TrainConfig, TrainError, fit_cell, fit_from,
 };
 
 pub fn config(kind: Kind) -> TrainConfig {
@@ -162,7 +162,7 @@ fn what_only_nets_can_do_is_refused() {
     let of = |change: fn(&mut TrainConfig, Batches)| {
         let mut config = config(Kind::Quadratic);
         change(&mut config, batches);
-        fit_from(None, 0, samples, &config).map(|_| ())
+        fit_from(Start::default(), 0, samples, &config).map(|_| ())
     };
     let refused = Err(TrainError::NoNet { kind: "quadratic" });
     assert_eq!(of(|c, batches| c.mode = Schedule::Online(batches)), refused);

@@ -5,7 +5,7 @@ use crate::cells::{self, Cell, smooth};
 use rrf_field::columns::Columns;
 use rrf_train::Samples;
 use rrf_train::fit::spill::{SpillError, fit_spilled};
-use rrf_train::{CellFit, Kind, Size, TrainConfig, fit_from};
+use rrf_train::{CellFit, Kind, Size, Start, TrainConfig, TrainError, fit_from};
 use std::fs::{File, OpenOptions};
 use std::io;
 
@@ -48,7 +48,14 @@ fn spilled(cell: &Cell, rows: usize, config: &TrainConfig) -> CellFit {
         pieces(cell, rows, see);
         Ok::<(), io::Error>(())
     };
-    fit_spilled(None, 0, pass, &tempfile::tempfile().unwrap(), config).unwrap()
+    fit_spilled(
+        Start::default(),
+        0,
+        pass,
+        &tempfile::tempfile().unwrap(),
+        config,
+    )
+    .unwrap()
 }
 
 fn assert_same(a: &CellFit, b: &CellFit) {
@@ -81,7 +88,7 @@ fn a_file_of_rows_gives_the_bits_of_rows_in_memory() {
             ..config()
         };
         config.lm.reuse = reuse;
-        let held = fit_from(None, 0, samples(&cell), &config).unwrap();
+        let held = fit_from(Start::default(), 0, samples(&cell), &config).unwrap();
         assert_eq!(held.quarantined.len(), 2);
         for rows in [ROWS, 1000] {
             assert_same(&spilled(&cell, rows, &config), &held);
@@ -92,13 +99,13 @@ fn a_file_of_rows_gives_the_bits_of_rows_in_memory() {
             ..config
         };
         let earlier = Some(&held.model);
-        let further = fit_from(earlier, 0, samples(&cell), &unpruned).unwrap();
+        let further = fit_from(earlier.into(), 0, samples(&cell), &unpruned).unwrap();
         let pass = |see: &mut dyn FnMut(&Samples)| {
             pieces(&cell, 700, see);
             Ok::<(), io::Error>(())
         };
         let file = tempfile::tempfile().unwrap();
-        let from_file = fit_spilled(earlier, 0, pass, &file, &unpruned).unwrap();
+        let from_file = fit_spilled(earlier.into(), 0, pass, &file, &unpruned).unwrap();
         assert_same(&from_file, &further);
     }
 }
@@ -115,7 +122,7 @@ fn a_file_that_cannot_be_used_is_an_error() {
     };
     let write_only = OpenOptions::new().write(true).open(&path).unwrap();
     for unusable in [File::open(&path).unwrap(), write_only] {
-        let found = fit_spilled(None, 0, pass, &unusable, &config());
+        let found = fit_spilled(Start::default(), 0, pass, &unusable, &config());
         assert!(matches!(found, Err(SpillError::Scratch(_))), "{found:?}");
     }
 }
@@ -126,9 +133,36 @@ fn baselines_from_a_file() {
     let cell = cell(0.05);
     for kind in BASELINES {
         let config = baselines::config(kind);
-        let held = fit_from(None, 0, samples(&cell), &config).unwrap();
+        let held = fit_from(Start::default(), 0, samples(&cell), &config).unwrap();
         assert_same(&held, &spilled(&cell, 1000, &config));
     }
 }
 
 const BASELINES: [Kind; 2] = [Kind::Quadratic, Kind::Nearest];
+
+/// Fits that are told to give up end with an error, whether their rows are held or in a file, and
+/// however late they are told: at the n-th question.
+#[test]
+fn a_fit_that_is_halted_is_an_error() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let cell = cell(0.0);
+    let config = config();
+    for questions in [0, 1, 10, 100] {
+        let asked = AtomicUsize::new(0);
+        let halt = || asked.fetch_add(1, Ordering::Relaxed) >= questions;
+        let start = Start {
+            earlier: None,
+            halt: Some(&halt),
+        };
+        let held = fit_from(start, 0, samples(&cell), &config);
+        assert!(matches!(held, Err(TrainError::Halted)), "{questions}");
+        let pass = |see: &mut dyn FnMut(&Samples)| {
+            pieces(&cell, 700, see);
+            Ok::<(), io::Error>(())
+        };
+        let file = tempfile::tempfile().unwrap();
+        let spilled = fit_spilled(start, 0, pass, &file, &config);
+        let end = matches!(spilled, Err(SpillError::Train(TrainError::Halted)));
+        assert!(end, "{questions}");
+    }
+}
