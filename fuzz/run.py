@@ -23,7 +23,8 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-TARGETS = ["pbrt", "gltf", "parquet", "arrow", "small"]
+SCENES = ["pbrt", "gltf", "obj", "exr"]
+TARGETS = [*SCENES, "parquet", "arrow", "small"]
 LONGEST = {"parquet": 131072, "arrow": 65536}
 # bytes of an input that is kept, and of all that are kept
 KEPT, ARCHIVE = 80_000, 300_000
@@ -50,7 +51,7 @@ def main():
     parser.add_argument("targets", nargs="*", default=TARGETS)
     options = parser.parse_args()
     if not options.no_build:
-        build()
+        build(options.targets)
     failed = 0
     for target in options.targets:
         failed += fuzz(target, 60 * options.minutes)
@@ -63,9 +64,12 @@ def folder():
     return Path(os.environ.get("CARGO_TARGET_DIR", HERE / "target"))
 
 
-def build():
+def build(targets):
     environment = {**os.environ, "RUSTFLAGS": " ".join(FLAGS), "CARGO_TARGET_DIR": str(folder())}
-    words = ["cargo", "+nightly", "build", "--release", "--target", TRIPLE, "--bins"]
+    words = ["cargo", "+nightly", "build", "--release", "--target", TRIPLE]
+    words += [word for target in targets for word in ("--bin", target)]
+    if set(targets) <= set(SCENES):
+        words.append("--no-default-features")
     subprocess.run(words, cwd=HERE, env=environment, check=True)
 
 

@@ -71,6 +71,7 @@ pub use plan::task::{Task, TaskKind};
 pub use plan::timings::Timings;
 pub use policy::held_out::is_held_out;
 pub use run::folder::Run;
+pub use run::manifest::kernels;
 pub use run::method::RunMethod;
 pub use run::rounds::Progress;
 pub use settings::{BakeConfig, Preset, Settings};

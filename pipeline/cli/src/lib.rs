@@ -41,6 +41,7 @@ struct Cli {
 
 /// Runs the command line and returns its exit code.
 pub fn main() -> ExitCode {
+    memory::start_within_limits();
     end_quietly_on_closed_pipe();
     let cli = Cli::parse();
     match run(&cli) {
@@ -53,6 +54,9 @@ pub fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<ExitCode> {
+    if cli.command.bounds_memory() {
+        memory::give_back();
+    }
     if let Some(threads) = cli.globals.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads as usize)

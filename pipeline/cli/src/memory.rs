@@ -35,6 +35,41 @@ pub fn check_solver() -> Result<(), BadInput> {
     }
 }
 
+/// Starts the program anew where its address space is limited and the linear algebra library has threads
+/// of its own: each asks for a buffer until it gets one, and without one the program never ends. We use
+/// one thread of it, and with one it asks for no more than it gets.
+pub fn start_within_limits() {
+    const THREADS: &str = "OPENBLAS_NUM_THREADS";
+    #[cfg(unix)]
+    if address_limit().is_some() && std::env::var_os(THREADS).is_none() {
+        use std::os::unix::process::CommandExt;
+        if let Ok(program) = std::env::current_exe() {
+            let words = std::env::args_os().skip(1);
+            // comes back only where it fails, and the program goes on as it is
+            let _ = std::process::Command::new(program)
+                .args(words)
+                .env(THREADS, "1")
+                .exec();
+        }
+    }
+}
+
+/// Makes the allocator give memory back where a bound is to be kept. By default it keeps what was freed
+/// in a heap for each thread, and large blocks too once one was freed: how much depends on which
+/// threads happened to work at a time.
+pub fn give_back() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        const LARGE: std::ffi::c_int = 128 << 10;
+        // SAFETY: sets numbers of the C library's allocator.
+        unsafe {
+            libc::mallopt(libc::M_ARENA_MAX, 1);
+            libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE);
+            libc::mallopt(libc::M_TRIM_THRESHOLD, LARGE);
+        }
+    }
+}
+
 /// Bytes that this process may still take; none where nothing says so.
 fn available() -> Option<u64> {
     let free = status("/proc/meminfo", "MemAvailable:");

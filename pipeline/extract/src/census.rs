@@ -39,6 +39,23 @@ pub struct Census {
     pub black: u64,
 }
 
+/// The reasons that there are: `12 on black surfaces, 3 that see nothing`.
+impl std::fmt::Display for Census {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let reasons = [
+            (self.light_in_solid, "lights inside solids"),
+            (self.point_in_solid, "points inside solids"),
+            (self.unseen, "not visible from the eye box"),
+            (self.sees_nothing, "points that see nothing"),
+            (self.black, "on black surfaces"),
+            (self.other_cell, "outside the cell"),
+        ];
+        let there = reasons.iter().filter(|(count, _)| *count > 0);
+        let named: Vec<String> = there.map(|(count, why)| format!("{count} {why}")).collect();
+        f.write_str(&named.join(", "))
+    }
+}
+
 impl Census {
     pub(crate) fn count(&mut self, why: Rejection) {
         *match why {

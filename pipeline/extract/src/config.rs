@@ -95,8 +95,11 @@ fn check_box(region: Region, what: &'static str, bounds: &Bounds) -> Result<(), 
     }
     if (0..3).any(|i| high[i] < bounds.min[i] || low[i] > bounds.max[i]) {
         return bad(format!(
-            "lies outside the scene, whose bounds are {:?} to {:?}: nothing there is in the scene",
-            bounds.min, bounds.max
+            "lies outside the scene, whose bounds are {}: nothing there is in the scene",
+            Region {
+                minimum: bounds.min,
+                maximum: bounds.max
+            }
         ));
     }
     Ok(())

@@ -21,7 +21,7 @@ pub enum ExtractError {
     NoTriangle,
     /// No surface point is fit to learn from.
     #[error(
-        "no usable row among {drawn} candidates ({census:?}): check the light box and that the surfaces face the room"
+        "no usable row among {drawn} candidates ({census}): check the light box and that the surfaces face the room"
     )]
     NoRow {
         /// Candidates drawn.

@@ -10,6 +10,7 @@
 
 mod candidates;
 mod census;
+mod closed;
 mod config;
 mod error;
 mod eyes;

@@ -26,8 +26,16 @@ pub enum Shell {
     Open,
 }
 
-/// The shell of every triangle.
-pub fn shells(scene: &Scene) -> Vec<Shell> {
+/// The shell of every triangle, and the component that it belongs to.
+pub struct Solids {
+    /// By triangle.
+    pub shell: Vec<Shell>,
+    /// By triangle.
+    pub component: Vec<u32>,
+}
+
+/// Finds the solids of a scene.
+pub fn solids(scene: &Scene) -> Solids {
     let corners = weld(scene);
     let component = components(&corners);
     let count = component.iter().max().map_or(0, |&c| c as usize + 1);
@@ -62,7 +70,10 @@ pub fn shells(scene: &Scene) -> Vec<Shell> {
             *shell = Shell::Open;
         }
     }
-    component.iter().map(|&c| of[c as usize]).collect()
+    Solids {
+        shell: component.iter().map(|&c| of[c as usize]).collect(),
+        component,
+    }
 }
 
 /// Most triangles of a component that are looked at.
@@ -93,7 +104,7 @@ fn furnished(scene: &Scene, triangles: &[Vec<u32>], facts: &[Facts], own: usize)
 
 /// Signed solid angle of a triangle seen from `p` (Van Oosterom and Strackee 1983). Those of a
 /// closed surface sum to 4π inside of it and to 0 outside.
-fn solid_angle(triangle: [DVec3; 3], p: DVec3) -> f64 {
+pub(crate) fn solid_angle(triangle: [DVec3; 3], p: DVec3) -> f64 {
     let [a, b, c] = triangle.map(|x| x - p);
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
@@ -236,6 +247,10 @@ fn root(parent: &mut [u32], mut t: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn shells(scene: &Scene) -> Vec<Shell> {
+        solids(scene).shell
+    }
 
     /// The twelve triangles of a box, wound outward.
     fn box_triangles(low: DVec3, high: DVec3) -> Vec<[DVec3; 3]> {

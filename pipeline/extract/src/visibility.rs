@@ -1,6 +1,7 @@
 //! Classification of points by what they see: whether light can be learned there.
 
-use crate::solids::{Shell, shells};
+use crate::closed::ClosedSolids;
+use crate::solids::{Shell, solids};
 use glam::Vec3;
 use rrf_scene::{INVALID, Scene};
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
@@ -23,14 +24,17 @@ pub enum PointClass {
 pub struct VisibilityQueries<'a> {
     tracer: &'a Tracer<'a>,
     shells: Vec<Shell>,
+    closed: ClosedSolids,
 }
 
 impl<'a> VisibilityQueries<'a> {
     /// Finds the scene's solids.
     pub fn new(scene: &Scene, tracer: &'a Tracer<'a>) -> VisibilityQueries<'a> {
+        let solids = solids(scene);
         VisibilityQueries {
             tracer,
-            shells: shells(scene),
+            closed: ClosedSolids::new(scene, &solids),
+            shells: solids.shell,
         }
     }
 
@@ -41,7 +45,8 @@ impl<'a> VisibilityQueries<'a> {
 
     /// [`Self::inside_solid`] with working memory for many positions.
     pub fn inside_solid_with(&self, place: Vec3, scratch: &mut QueryScratch) -> bool {
-        self.classify(scratch, |i| (place, sphere(i))) == PointClass::InsideSolid
+        self.closed.contain(place)
+            || self.classify(scratch, |i| (place, sphere(i))) == PointClass::InsideSolid
     }
 
     /// Whether the way from a surface point to one of some places is free.
@@ -74,6 +79,10 @@ impl<'a> VisibilityQueries<'a> {
         side: Vec3,
         scratch: &mut QueryScratch,
     ) -> PointClass {
+        let off = self.tracer.lift(point.triangle, point.position, side);
+        if self.closed.contain(off) {
+            return PointClass::InsideSolid;
+        }
         self.classify(scratch, |i| {
             let w = sphere(i);
             let w = if w.dot(side) < 0.0 { -w } else { w };
@@ -251,6 +260,18 @@ mod tests {
             PointClass::Nothing,
             "its outer side"
         );
+    }
+
+    /// Boxes that interpenetrate: from within one, most of what is seen is the front of the others.
+    #[test]
+    fn interpenetrating_solids_are_solid() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../tests/data/cases/rooms/sofa3.glb");
+        let scene = rrf_scene::load(&path, &rrf_scene::LoadOptions::default()).unwrap();
+        let tracer = Tracer::new(&scene).unwrap();
+        let visibility = VisibilityQueries::new(&scene, &tracer);
+        assert!(visibility.inside_solid(Vec3::new(0.01, 0.02, 0.03)));
+        assert!(!visibility.inside_solid(Vec3::new(1.5, 1.5, 1.5)));
     }
 
     /// A closed box wound inward in its file is a solid too, unless it is all there is.

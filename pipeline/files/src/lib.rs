@@ -20,8 +20,10 @@ mod kinds;
 mod read;
 mod replace;
 mod staged;
+mod standard;
 
 pub use kinds::is_permanent;
 pub use read::read_regular;
 pub use replace::{make_folder, probe_writable, replace, replace_from, replace_with};
 pub use staged::{is_staged_name, remove_left_over, scratch};
+pub use standard::{print_error, print_or_end};

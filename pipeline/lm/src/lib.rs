@@ -82,7 +82,7 @@ mod vector;
 
 pub use config::{LmConfig, Scaling};
 pub use dense::{Dense, Residuals};
-pub use linalg::{Cholesky, Indefinite};
+pub use linalg::{Cholesky, Indefinite, linear_algebra};
 pub use minimise::{Minimum, minimise};
 pub use problem::{NormalEquations, Problem};
 pub use solver::{Solver, Step};

@@ -25,6 +25,10 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+// first: its macros stand in for the standard library's in all that follows
+#[macro_use]
+mod print;
+
 pub mod chart;
 mod chart_files;
 mod error;

@@ -20,6 +20,16 @@ pub struct RunFacts {
     pub seed: u64,
 }
 
+/// What the last bits of a run's numbers depend on beside its settings.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Kernels {
+    /// The linear algebra library, its version and the kernels that it chose.
+    pub linear_algebra: String,
+    /// The widest vector instructions that loops are compiled for and the processor has.
+    pub vectors: String,
+}
+
 /// A run as a person asked for it, with every setting as it was used.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -38,6 +48,9 @@ pub struct RunManifest {
     pub light_box: [f32; 6],
     /// Every other setting, as the stages take them.
     pub config: serde_json::Value,
+    /// Those of the process that began the run; none in runs of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kernels: Option<Kernels>,
 }
 
 impl RunManifest {
@@ -55,18 +68,29 @@ impl RunManifest {
     }
 
     /// blake3 of everything that a model depends on, 64 hexadecimal digits: all but the place of the
-    /// scene file.
+    /// scene file, and the kernels, which decide no more than the last bits.
     ///
     /// # Errors
     /// [`StoreError::Corrupt`] for settings that are no JSON.
     pub fn hash(&self, run: &Path) -> Result<String, StoreError> {
         let placeless = RunManifest {
             scene: PathBuf::new(),
+            kernels: None,
             ..self.clone()
         };
         let text = serde_json::to_vec(&placeless);
         let text = text.map_err(|e| corrupt(&RunManifest::path(run), e))?;
         Ok(blake3::hash(&text).to_hex().to_string())
+    }
+
+    /// Whether another manifest asks for the same, on whatever processor.
+    pub fn asks_for_the_same(&self, other: &RunManifest) -> bool {
+        let kernels = other.kernels.clone();
+        *other
+            == RunManifest {
+                kernels,
+                ..self.clone()
+            }
     }
 
     /// Writes `RUN/run.json`, making the folder where missing.
@@ -123,8 +147,8 @@ impl RunManifest {
         let [x0, y0, z0, x1, y1, z1] = self.light_box;
         let ordered = x0 <= x1 && y0 <= y1 && z0 <= z1;
         if !ordered || !self.light_box.iter().all(|x| x.is_finite()) {
-            let found = self.light_box;
-            return Err(corrupt(path, format!("light_box {found:?} is no box")));
+            let found = self.light_box.map(|x| x.to_string()).join(",");
+            return Err(corrupt(path, format!("light_box {found} is no box")));
         }
         if self.scene_hash.len() != 64 || !self.scene_hash.bytes().all(|b| b.is_ascii_hexdigit()) {
             return Err(corrupt(path, "scene_hash is not 64 hexadecimal digits"));

@@ -4,10 +4,34 @@ use crate::error::BakeError;
 use crate::run::json::corrupt;
 use crate::settings::BakeConfig;
 use rrf_scene::Scene;
-use rrf_store::manifest::{FORMAT, RunManifest};
+use rrf_store::manifest::{FORMAT, Kernels, RunManifest};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// The kernels of this process.
+pub fn kernels() -> Kernels {
+    Kernels {
+        linear_algebra: rrf_train::linear_algebra(),
+        vectors: vectors().into(),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn vectors() -> &'static str {
+    if is_x86_feature_detected!("avx512f") {
+        "AVX-512"
+    } else if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        "AVX2 and FMA"
+    } else {
+        "SSE2"
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn vectors() -> &'static str {
+    "what the compiler's baseline has"
+}
 
 /// The manifest of a bake.
 pub(crate) fn manifest(scene: &Scene, config: &BakeConfig) -> Result<RunManifest, BakeError> {
@@ -38,6 +62,7 @@ pub(crate) fn asked_manifest(
         seed,
         light_box,
         config,
+        kernels: Some(kernels()),
     }
 }
 

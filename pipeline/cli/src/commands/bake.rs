@@ -2,6 +2,7 @@
 
 use super::transfer;
 use crate::args::{BakeArgs, ExtractArgs, TrainArgs, TrainMode};
+use crate::print;
 use crate::progress::Bars;
 use crate::run_location::RunLocation;
 use crate::scene_file;
@@ -144,8 +145,11 @@ pub fn config(settings: &Settings, scene: &Scene) -> Result<BakeConfig, BakeErro
     let config = settings.config(scene)?;
     if settings.light_box.is_none() {
         let Region { minimum, maximum } = config.extract.light_box;
+        let corners = [minimum, maximum].concat();
+        let corners: Vec<String> = corners.into_iter().map(print::short).collect();
         eprintln!(
-            "no --light-box: lights may be in the middle 80 % of the scene, {minimum:?} to {maximum:?}"
+            "no --light-box: lights may be in the middle 80 % of the scene, --light-box={}",
+            corners.join(",")
         );
     }
     Ok(config)

@@ -11,7 +11,14 @@ pub struct DoctorArgs {}
 pub fn run() -> anyhow::Result<()> {
     println!("rrf {}", env!("CARGO_PKG_VERSION"));
     println!("worker threads: {}", rayon::current_num_threads());
-    println!("vector instructions: {}", instructions());
+    let kernels = rrf_bake::kernels();
+    let slow = match kernels.vectors.as_str() {
+        "SSE2" => " (nets will be several times slower than with AVX2)",
+        _ => "",
+    };
+    println!("vector instructions: {}{slow}", kernels.vectors);
+    println!("linear algebra: {}", kernels.linear_algebra);
+    println!("the same bytes come from the same version, vector instructions and linear algebra");
 
     let folder = std::env::temp_dir();
     let file = folder.join(format!("rrf-doctor-{}", std::process::id()));
@@ -21,20 +28,4 @@ pub fn run() -> anyhow::Result<()> {
     println!("temporary folder is writable: {}", folder.display());
     println!("all good");
     Ok(())
-}
-
-#[cfg(target_arch = "x86_64")]
-fn instructions() -> &'static str {
-    if is_x86_feature_detected!("avx512f") {
-        "AVX-512"
-    } else if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-        "AVX2 and FMA"
-    } else {
-        "SSE2 (nets will be several times slower than with AVX2)"
-    }
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-fn instructions() -> &'static str {
-    "what the compiler's baseline has"
 }

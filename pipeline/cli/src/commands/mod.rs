@@ -56,6 +56,19 @@ pub enum Command {
 }
 
 impl Command {
+    /// Whether the memory that it takes is bounded (`--memory`).
+    pub fn bounds_memory(&self) -> bool {
+        let bound = match self {
+            Command::Bake(args) => args.bounds.memory,
+            Command::Extract(args) => args.bake.bounds.memory,
+            Command::Train(args) => args.bounds.memory,
+            Command::Run(args) => args.bounds.memory,
+            Command::Task(args) => args.memory,
+            _ => None,
+        };
+        bound.is_some()
+    }
+
     /// Does it; gives the exit code of what went well.
     pub fn run(&self, globals: &Globals) -> anyhow::Result<ExitCode> {
         if let Command::Bake(_)

@@ -144,7 +144,15 @@ impl<'a> Document<'a> {
         let component = component.0;
         if *stored != shape || !components.contains(&component) {
             return Err(wrong(format!(
-                "has {stored:?} of {component:?}, must be {shape:?} of one of {components:?}"
+                "has {} of {}, must be {} of {}",
+                shape_name(*stored),
+                number_name(component),
+                shape_name(shape),
+                components
+                    .iter()
+                    .map(|&c| number_name(c))
+                    .collect::<Vec<_>>()
+                    .join(" or ")
             )));
         }
         let count = usize::try_from(accessor.count.0).map_err(|e| wrong(e.to_string()))?;
@@ -266,5 +274,30 @@ impl<'a> Document<'a> {
         let view = Some(sparse.values.buffer_view);
         let values = self.elements(view, sparse.values.byte_offset.0, many, component, shape)?;
         Ok((ids, values))
+    }
+}
+
+/// An element's type, as the format's specification writes it.
+fn shape_name(shape: Type) -> &'static str {
+    match shape {
+        Type::Scalar => "SCALAR",
+        Type::Vec2 => "VEC2",
+        Type::Vec3 => "VEC3",
+        Type::Vec4 => "VEC4",
+        Type::Mat2 => "MAT2",
+        Type::Mat3 => "MAT3",
+        Type::Mat4 => "MAT4",
+    }
+}
+
+/// A number's type in words.
+fn number_name(component: ComponentType) -> &'static str {
+    match component {
+        ComponentType::I8 => "signed bytes",
+        ComponentType::U8 => "unsigned bytes",
+        ComponentType::I16 => "signed shorts",
+        ComponentType::U16 => "unsigned shorts",
+        ComponentType::U32 => "unsigned integers",
+        ComponentType::F32 => "floats",
     }
 }

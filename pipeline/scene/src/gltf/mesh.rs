@@ -107,7 +107,8 @@ impl Source<'_> {
             if !position.is_finite() {
                 let node = self.document.node_place(self.placed.index);
                 return Err(self.error(format!(
-                    "vertex {vertex} at {stored:?} is not finite in world space ({node})"
+                    "vertex {vertex} at {} is not finite in world space ({node})",
+                    listed(&stored)
                 )));
             }
             scene.positions.push(position);
@@ -163,7 +164,11 @@ impl Source<'_> {
             let stored = uvs.numbers(vertex as usize).unwrap_or_default();
             let uv = source.apply(stored);
             if !uv.is_finite() {
-                let message = format!("{name} of vertex {vertex} is {stored:?}, not finite");
+                let stored: [f32; 2] = stored;
+                let message = format!(
+                    "{name} of vertex {vertex} is {}, not finite",
+                    listed(&stored)
+                );
                 return Err(self.error(message));
             }
             scene.uvs.push(uv);
@@ -218,4 +223,10 @@ fn cofactor(m: &DMat3) -> DMat3 {
     let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
     DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign
+}
+
+/// Numbers as messages show them.
+fn listed(numbers: &[f32]) -> String {
+    let texts: Vec<String> = numbers.iter().map(f32::to_string).collect();
+    texts.join(" ")
 }

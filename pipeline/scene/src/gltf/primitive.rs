@@ -41,7 +41,11 @@ impl<'a> Source<'a> {
             mode,
             Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
         ) {
-            warnings.add(place, format!("{mode:?} left out: they have no surface"));
+            let what = match mode {
+                Mode::Points => "points",
+                _ => "lines",
+            };
+            warnings.add(place, format!("{what} left out: they have no surface"));
             return Ok(None);
         }
         let position = attribute(primitive, Semantic::Positions)

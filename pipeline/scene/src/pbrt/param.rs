@@ -43,6 +43,27 @@ impl Type {
     }
 }
 
+/// As pbrt writes it.
+impl std::fmt::Display for Type {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Type::Bool => "bool",
+            Type::Integer => "integer",
+            Type::Float => "float",
+            Type::Point2 => "point2",
+            Type::Point3 => "point3",
+            Type::Vector3 => "vector3",
+            Type::Normal => "normal",
+            Type::String => "string",
+            Type::Texture => "texture",
+            Type::Rgb => "rgb",
+            Type::Xyz => "xyz",
+            Type::Spectrum => "spectrum",
+            Type::Blackbody => "blackbody",
+        })
+    }
+}
+
 /// A parameter's values.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Values {
@@ -174,6 +195,6 @@ fn add_value(values: &mut Option<Values>, token: &Token<'_>, kind: Type, name: &
     }
     fault(
         token.place,
-        format!("{} does not fit \"{name}\" of type {kind:?}", token.kind),
+        format!("{} does not fit \"{name}\" of type {kind}", token.kind),
     )
 }

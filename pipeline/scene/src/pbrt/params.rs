@@ -79,10 +79,12 @@ impl Params {
         if kinds.contains(&param.kind) {
             return Ok(Some(param));
         }
+        let expected: Vec<String> = kinds.iter().map(Type::to_string).collect();
+        let expected = expected.join(" or ");
         fault(
             param.place,
             format!(
-                "\"{name}\" of {} cannot be of type {:?}; expected {kinds:?}",
+                "\"{name}\" of {} cannot be of type {}; expected {expected}",
                 self.owner, param.kind
             ),
         )

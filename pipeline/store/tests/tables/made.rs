@@ -24,6 +24,7 @@ pub fn manifest() -> RunManifest {
         seed: u64::MAX - 1,
         light_box: [-0.6, 1.3, -0.6, 0.6, 1.8, 0.6],
         config: serde_json::json!({ "target": 0.05, "paths": 128 }),
+        kernels: None,
     }
 }
 

@@ -23,6 +23,7 @@ fn empty_run(folder: &std::path::Path) -> Run {
             seed: 7,
             light_box: [0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
             config: serde_json::Value::Null,
+            kernels: None,
         },
         config: crate::BakeConfig::preset(crate::Preset::Standard, light_box, 7),
         lock: None,

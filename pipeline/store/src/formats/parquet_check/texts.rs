@@ -28,7 +28,8 @@ pub(super) fn check(
         let count = values(&page, column).and_then(count);
         if count.is_none_or(|count| count > most) {
             let name = column.column_path().string();
-            let reason = format!("{name}: {count:?} texts in a page of {most} values");
+            let found = count.map_or("an unknown number of".into(), |n| n.to_string());
+            let reason = format!("{name}: {found} texts in a page of {most} values");
             return Err(guard.corrupt(reason));
         }
     }

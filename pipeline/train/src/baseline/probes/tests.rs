@@ -60,7 +60,7 @@ fn with_cell<T>(count: usize, see: impl FnOnce(&Cell, &Columns) -> T) -> T {
         divide_base: true,
         ..TrainConfig::default()
     };
-    let mut cell = Cell::new(0, samples, None, &config).unwrap();
+    let mut cell = Cell::new(0, samples, crate::Start::default(), &config).unwrap();
     let inputs = inputs(&cell, SMALL);
     cell.set_inputs(inputs);
     see(&cell, &rows)

@@ -1,0 +1,6 @@
+//! Pictures in OpenEXR.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| rrf_fuzz::exr(bytes));
