@@ -71,6 +71,7 @@ run-tests: rust-tests python
 	$(PROGRAM) python3 tests/cases.py
 	$(PROGRAM) python3 tests/runs/hostile.py
 	$(PROGRAM) python3 tests/runs/halt.py
+	$(PROGRAM) python3 tests/runs/batch.py
 	$(PROGRAM) python3 tests/runs/page.py
 	$(PROGRAM) python3 tests/runs/memory.py
 	$(PROGRAM) python3 tests/runs/full_disk.py

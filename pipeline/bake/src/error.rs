@@ -18,6 +18,16 @@ pub enum Halt {
     Interrupt,
 }
 
+impl Halt {
+    /// The reason in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            Halt::Time => "the time limit",
+            Halt::Interrupt => "a signal",
+        }
+    }
+}
+
 /// Error of a bake, with the facts of the stage that failed.
 #[derive(Debug, thiserror::Error)]
 pub enum BakeError {

@@ -1,6 +1,6 @@
 //! A baked run, opened for frames and queries.
 
-use crate::run_location::RunLocation;
+use crate::run_location::{RunLocation, expect_run};
 use crate::trust::{distrust, spans};
 use glam::Vec3;
 use rrf_bake::{Run, RunMethod, TransferRun};
@@ -60,6 +60,7 @@ impl Baked {
     /// Reads the run, its scene and its model.
     /// Cells of a larger error than `trust_error` are not trusted.
     pub fn open(folder: &Path, trust_error: f32) -> anyhow::Result<Baked> {
+        expect_run(folder)?;
         let location = RunLocation::model(folder)?;
         match RunMethod::of(location.folder())? {
             RunMethod::Nets => Baked::of_nets(location, trust_error),

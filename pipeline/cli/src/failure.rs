@@ -1,4 +1,5 @@
-//! Exit codes: 0 done, 1 failed (could succeed if tried again), 2 bad input or usage.
+//! Exit codes: 0 done, 1 failed (could succeed if tried again), 2 bad input or usage, 3 target missed
+//! (`--require-target`).
 
 use rrf_bake::BakeError;
 use rrf_export::ExportError;
@@ -13,11 +14,34 @@ use rrf_trace::TraceError;
 use rrf_transfer::TransferError;
 use rrf_view::ViewError;
 use std::error::Error;
+use std::path::Path;
 
 /// Bad input found by the command line itself.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct BadInput(pub String);
+
+/// A bake that ended without reaching its target, where that is required.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct TargetMissed(pub String);
+
+/// Fails unless the target is met, or need not be.
+pub fn require_target(
+    run: &Path,
+    (error, target): (f64, f32),
+    is_met: bool,
+) -> Result<(), TargetMissed> {
+    match is_met {
+        true => Ok(()),
+        false => Err(TargetMissed(format!(
+            "{}: the target of {:.2} % is missed: the relative error is {:.2} %",
+            run.display(),
+            100.0 * target,
+            100.0 * error
+        ))),
+    }
+}
 
 /// The error and what caused it, without the causes that the error itself already quotes.
 pub fn message(error: &anyhow::Error) -> String {
@@ -53,5 +77,10 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
             || is(cause, StoreError::is_bad_input)
             || is(cause, BakeError::is_bad_input)
     });
-    if bad { 2 } else { 1 }
+    let missed = error.chain().any(|cause| cause.is::<TargetMissed>());
+    match (missed, bad) {
+        (true, _) => 3,
+        (false, true) => 2,
+        (false, false) => 1,
+    }
 }

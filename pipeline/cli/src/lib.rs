@@ -9,9 +9,11 @@ mod print;
 
 mod args;
 mod baked;
+mod clock;
 mod commands;
 mod failure;
 mod film;
+mod heartbeat;
 mod memory;
 mod narrow;
 mod pictures;
@@ -26,7 +28,7 @@ mod table_lights;
 mod transfer_rows;
 mod trust;
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches, Parser};
 use std::process::ExitCode;
 
 /// Bakes a static scene's indirect light into small neural nets; viewpoint and lights stay free.
@@ -43,7 +45,8 @@ struct Cli {
 pub fn main() -> ExitCode {
     memory::start_within_limits();
     end_quietly_on_closed_pipe();
-    let cli = Cli::parse();
+    let parsed = Cli::from_arg_matches(&command().get_matches());
+    let cli = parsed.unwrap_or_else(|error| error.exit());
     match run(&cli) {
         Ok(code) => code,
         Err(error) => {
@@ -51,6 +54,11 @@ pub fn main() -> ExitCode {
             ExitCode::from(failure::exit_code(&error))
         }
     }
+}
+
+/// The command line, its commands in groups.
+fn command() -> clap::Command {
+    commands::groups::grouped(Cli::command())
 }
 
 fn run(cli: &Cli) -> anyhow::Result<ExitCode> {

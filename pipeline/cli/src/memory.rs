@@ -77,7 +77,7 @@ fn available() -> Option<u64> {
 }
 
 /// Bytes of address space left below the limit of `ulimit -v`; none without such a limit.
-fn address_space() -> Option<u64> {
+pub fn address_space() -> Option<u64> {
     let limit = address_limit()?;
     let taken = status("/proc/self/status", "VmSize:").unwrap_or(0);
     Some(limit.saturating_sub(taken))

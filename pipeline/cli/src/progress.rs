@@ -1,6 +1,7 @@
 //! Progress bars with time left, on a terminal only; time limit and signals.
 
 use crate::args::Bounds;
+use crate::heartbeat::Heartbeat;
 use crate::run_location::RunLocation;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rrf_bake::{Evaluation, Halt, TaskKind, Watch};
@@ -22,6 +23,8 @@ pub struct Bars {
     memory: Option<u64>,
     interrupted: Arc<AtomicBool>,
     place: Option<RunLocation>,
+    /// Where standard error is no terminal.
+    lines: Option<Heartbeat>,
 }
 
 impl Bars {
@@ -34,13 +37,16 @@ impl Bars {
             flag::register(signal, interrupted.clone())?;
         }
         let limit = bounds.time_limit.map(Duration::try_from_secs_f32);
+        // a limit beyond the clock's range is none
+        let deadline = limit
+            .and_then(Result::ok)
+            .and_then(|d| Instant::now().checked_add(d));
+        let lines = !quiet && !io::stderr().is_terminal();
         Ok(Bars {
             quiet,
             current: Mutex::new(ProgressBar::hidden()),
-            // a limit beyond the clock's range is none
-            deadline: limit
-                .and_then(Result::ok)
-                .and_then(|d| Instant::now().checked_add(d)),
+            deadline,
+            lines: lines.then(|| Heartbeat::new(deadline)),
             memory: bounds.memory,
             interrupted,
             place: None,
@@ -73,18 +79,30 @@ impl Bars {
 impl Watch for Bars {
     fn begin(&self, kind: TaskKind, round: u32, total: u64) {
         let what = format!("{} {round}", kind.name());
+        if let Some(lines) = &self.lines {
+            lines.begin(what.clone(), total);
+        }
         self.with(|current| *current = bar(self.quiet, total, what));
     }
 
     fn begin_stage(&self, name: &'static str, total: u64) {
+        if let Some(lines) = &self.lines {
+            lines.begin(name.into(), total);
+        }
         self.with(|current| *current = bar(self.quiet, total, name));
     }
 
     fn advance(&self, steps: u64) {
+        if let Some(lines) = &self.lines {
+            lines.advance(steps);
+        }
         self.with(|current| current.inc(steps));
     }
 
     fn end(&self) {
+        if let Some(lines) = &self.lines {
+            lines.end();
+        }
         self.with(|current| current.finish_and_clear());
     }
 

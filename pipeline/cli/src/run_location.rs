@@ -1,8 +1,11 @@
 //! Location of a run: a folder, or an object store with a copy on this machine.
 
+use crate::failure::BadInput;
 use anyhow::Context;
 use rrf_remote::{Mirror, RemoteError, is_url};
+use rrf_store::lock::FolderLock;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use tempfile::TempDir;
 
 /// A run's folder on this machine.
@@ -11,13 +14,26 @@ pub struct RunLocation {
     mirror: Option<Mirror>,
     /// A copy that is of no use afterwards, and goes.
     _passing: Option<TempDir>,
+    /// Keeps other processes from the copy.
+    _lock: Option<Arc<FolderLock>>,
 }
 
 impl RunLocation {
+    /// To look at: all files of a run that is there.
+    pub fn existing(path: &Path) -> anyhow::Result<RunLocation> {
+        expect_run(path)?;
+        RunLocation::whole(path)
+    }
+
     /// To bake in: all files. One process at a time works on a copy of this kind.
     pub fn whole(path: &Path) -> anyhow::Result<RunLocation> {
-        let place = RunLocation::open(path, |folder| Ok((folder.to_path_buf(), None)))?;
-        place.mirror.as_ref().map_or(Ok(()), Mirror::pull)?;
+        let mut place = RunLocation::open(path, |folder| Ok((folder.to_path_buf(), None)))?;
+        if let Some(mirror) = &place.mirror {
+            // beside the copy, which fetching may replace whole
+            let beside = place.folder.with_extension("lock");
+            place._lock = Some(FolderLock::take(&beside)?);
+            mirror.pull()?;
+        }
         Ok(place)
     }
 
@@ -59,6 +75,7 @@ impl RunLocation {
                 folder: path.into(),
                 mirror: None,
                 _passing: None,
+                _lock: None,
             });
         }
         let address = path.to_string_lossy();
@@ -67,6 +84,7 @@ impl RunLocation {
             mirror: Some(Mirror::open(&address, &folder)?),
             folder,
             _passing: passing,
+            _lock: None,
         })
     }
 
@@ -86,6 +104,19 @@ impl RunLocation {
     /// The folder on this machine.
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+}
+
+/// Says what a file is where a run's folder should be.
+pub fn expect_run(path: &Path) -> Result<(), BadInput> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let is_scene = ["pbrt", "gltf", "glb", "obj"].contains(&ending.to_ascii_lowercase().as_str());
+    match path.is_file() {
+        true if is_scene => Err(BadInput(format!(
+            "{path}: this is a scene: bake it first (rrf bake {path} -o RUN) and name the run's folder",
+            path = path.display()
+        ))),
+        _ => Ok(()),
     }
 }
 

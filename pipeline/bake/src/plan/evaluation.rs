@@ -90,7 +90,7 @@ impl Evaluation {
     }
 
     /// Whether the squared error plus its standard error is at most the squared target.
-    pub(crate) fn meets(&self, target: f64) -> bool {
+    pub fn meets(&self, target: f64) -> bool {
         let (square, square_se) = square(self.error());
         let evaluated = self.test.is_some() || !self.cells.is_empty();
         evaluated && square + square_se <= target * target

@@ -14,7 +14,7 @@ pub use parse::Hidden;
 pub use scene::SceneOptions;
 
 use clap::{Args, ValueEnum};
-use parse::{input, positive, region};
+use parse::{input, region, share};
 use rrf_extract::{ExtractConfig, ExtractError, NarrowLight, Region, Weights};
 use rrf_scene::{LightUnits, LoadOptions, Scene, SkyOption};
 use rrf_train::{LmConfig, Precision, TrainConfig};
@@ -30,8 +30,8 @@ pub struct Settings {
     /// count in no error. By default all surfaces count.
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = region, allow_hyphen_values = true)]
     pub eye_box: Option<Region>,
-    /// Relative error to reach.
-    #[arg(long, default_value_t = 0.05, value_parser = positive)]
+    /// Relative error to reach, as 0.05 or 5%.
+    #[arg(long, default_value_t = 0.05, value_parser = share)]
     pub target: f32,
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 1)]
@@ -71,7 +71,7 @@ pub struct Settings {
     #[arg(long = "no-trim", action = clap::ArgAction::SetFalse)]
     pub trim: bool,
     /// How the scene is read.
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Reading the scene")]
     pub scene: SceneOptions,
 }
 

@@ -45,6 +45,14 @@ pub fn positive(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A relative error above 0: `0.05` or `5%`.
+pub(super) fn share(text: &str) -> Result<f32, String> {
+    match text.trim().strip_suffix('%') {
+        Some(percent) => Ok(positive(percent.trim_end())? / 100.0),
+        None => positive(text),
+    }
+}
+
 /// A number from 0 to 1.
 pub(super) fn unit_interval(text: &str) -> Result<f32, String> {
     match number(text)? {

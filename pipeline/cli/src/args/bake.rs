@@ -20,11 +20,14 @@ pub struct BakeArgs {
     /// Print the result as JSON.
     #[arg(long)]
     pub json: bool,
+    /// End with exit code 3 if the target is missed.
+    #[arg(long)]
+    pub require_target: bool,
     /// Limits of time and memory.
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Limits")]
     pub bounds: Bounds,
     /// Settings.
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Settings")]
     pub settings: Settings,
 }
 
@@ -32,7 +35,7 @@ pub struct BakeArgs {
 /// work of the last one.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Bounds {
-    /// Start no work after this many seconds. The last round only starts work that it expects to finish
+    /// Stop after this many seconds. The last round only starts work that it expects to finish
     /// in time. The result is the model of the last complete round.
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub time_limit: Option<f32>,
@@ -87,8 +90,17 @@ pub struct RunArgs {
     /// Check everything and print the predicted cost; write nothing.
     #[arg(long)]
     pub dry_run: bool,
+    /// Bake the others where a scene or setting is wrong; the exit code is then 2.
+    #[arg(long)]
+    pub keep_going: bool,
+    /// End with exit code 3 if a target is missed.
+    #[arg(long)]
+    pub require_target: bool,
+    /// Print a line of JSON for each round, and the summary at the end.
+    #[arg(long)]
+    pub json: bool,
     /// Limits of time and memory for all bakes together.
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Limits")]
     pub bounds: Bounds,
 }
 
@@ -111,7 +123,7 @@ pub struct PlanArgs {
     #[arg(long)]
     pub resume: bool,
     /// Settings of a new run.
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Settings")]
     pub settings: Settings,
 }
 

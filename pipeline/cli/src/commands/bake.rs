@@ -2,6 +2,7 @@
 
 use super::transfer;
 use crate::args::{BakeArgs, ExtractArgs, TrainArgs, TrainMode};
+use crate::failure::require_target;
 use crate::print;
 use crate::progress::Bars;
 use crate::run_location::RunLocation;
@@ -29,9 +30,12 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
     let folder = location.folder().to_path_buf();
     let watch = Bars::new(quiet || args.json, &args.bounds)?.keeping(location);
     let ended = rrf_bake::bake(&scene, &config, &folder, args.resume, &watch)?;
+    let evaluation = &ended.evaluation;
+    let met = !args.require_target || evaluation.meets(config.target.into());
+    let missed = || require_target(&args.output, (evaluation.error().0, config.target), met);
     if args.json {
         tell(args, &ended, config.target, start.elapsed().as_secs_f64());
-        return Ok(());
+        return Ok(missed()?);
     }
     print_census(&ended.census);
     print_evaluation(&ended.evaluation, config.target);
@@ -42,7 +46,7 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
         ended.stop.text(ended.rounds),
         args.output.display()
     );
-    Ok(())
+    Ok(missed()?)
 }
 
 fn tell(args: &BakeArgs, ended: &BakeOutcome, target: f32, seconds: f64) {
@@ -51,6 +55,8 @@ fn tell(args: &BakeArgs, ended: &BakeOutcome, target: f32, seconds: f64) {
         "run": args.output.display().to_string(),
         "method": "nets",
         "target": target,
+        "target_met": ended.evaluation.meets(target.into()),
+        "stop": ended.stop.text(ended.rounds),
         "rounds": ended.rounds,
         "relative_error": error,
         "relative_error_se": se,
@@ -94,7 +100,7 @@ pub fn extract(args: &ExtractArgs, quiet: bool) -> anyhow::Result<()> {
 
 /// Trains and evaluates the round that is extracted.
 pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
-    let location = RunLocation::whole(&args.run)?;
+    let location = RunLocation::existing(&args.run)?;
     let mut run = Run::open_to_work(location.folder())?;
     run.config.train.mode = mode(args);
     let progress = run.progress()?;

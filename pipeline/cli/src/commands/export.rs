@@ -26,6 +26,9 @@ pub struct ExportArgs {
     /// File for the same as one ONNX graph.
     #[arg(long, value_name = "F", group = "format")]
     pub onnx: Option<PathBuf>,
+    /// Folder for copies of the model's tables in Parquet, which DuckDB reads.
+    #[arg(long, value_name = "DIR", group = "format")]
+    pub parquet: Option<PathBuf>,
     /// Camera and lights that go into --mitsuba's scene.
     #[command(flatten)]
     pub camera: CameraArgs,
@@ -39,7 +42,7 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
     for file in args.safetensors.iter().chain(&args.onnx) {
         rrf_store::atomic::check_writable(file)?;
     }
-    if let Some(folder) = &args.mitsuba {
+    for folder in args.mitsuba.iter().chain(&args.parquet) {
         rrf_store::atomic::create_folder(folder)?;
     }
     let location = RunLocation::model(&args.input)?;
@@ -53,7 +56,7 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
         };
         mitsuba(args, &scene, target)?;
     }
-    if args.safetensors.is_none() && args.onnx.is_none() {
+    if args.safetensors.is_none() && args.onnx.is_none() && args.parquet.is_none() {
         return Ok(());
     }
     let told = match method {
@@ -66,6 +69,14 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
         None => format!("{input}: is a scene, which has no nets; name a run folder"),
     };
     Err(BadInput(told).into())
+}
+
+/// Copies of the model's tables.
+fn parquet(run: &Run, folder: &Path) -> anyhow::Result<()> {
+    for file in model::write_parquet_copies(&run.folder, folder, &run.facts())? {
+        println!("{}", file.display());
+    }
+    Ok(())
 }
 
 fn mitsuba(args: &ExportArgs, scene: &Scene, folder: &Path) -> anyhow::Result<()> {
@@ -112,6 +123,9 @@ fn nets(args: &ExportArgs, run: &Run) -> anyhow::Result<()> {
         ("scene_hash", manifest.scene_hash.clone()),
         ("seed", manifest.seed.to_string()),
     ];
+    if let Some(folder) = &args.parquet {
+        parquet(run, folder)?;
+    }
     let (tree, cells) = (&model.tree.tree, &model.cells);
     if let Some(file) = &args.safetensors {
         rrf_export::tensors::write_safetensors(file, tree, cells, &facts)?;

@@ -6,9 +6,11 @@ mod compare;
 mod doctor;
 mod export;
 mod external;
+pub mod groups;
 mod query;
 mod render;
 mod scene;
+mod shell;
 mod tasks;
 mod trace;
 mod transfer;
@@ -53,6 +55,8 @@ pub enum Command {
     Verify(verify::VerifyArgs),
     View(view::ViewPageArgs),
     Doctor(doctor::DoctorArgs),
+    Completions(shell::CompletionsArgs),
+    Man(shell::ManArgs),
 }
 
 impl Command {
@@ -99,7 +103,12 @@ impl Command {
             Command::Scene(args) => scene::run(args),
             Command::Verify(args) => verify::run(args),
             Command::View(args) => view::run(args),
-            Command::Doctor(_) => doctor::run(),
+            Command::Doctor(args) => doctor::run(args),
+            Command::Completions(args) => {
+                shell::completions(args);
+                Ok(())
+            }
+            Command::Man(args) => shell::man(args),
         }?;
         Ok(ExitCode::SUCCESS)
     }

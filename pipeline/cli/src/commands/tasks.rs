@@ -128,7 +128,7 @@ pub fn task(args: &TaskArgs) -> anyhow::Result<()> {
 
 /// Commits a round and plans the next one.
 pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
-    let location = RunLocation::whole(&args.run)?;
+    let location = RunLocation::existing(&args.run)?;
     let run = Run::open_to_work(location.folder())?;
     let Some(plan) = run.progress()?.todo else {
         if !args.json {
@@ -156,6 +156,8 @@ pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
             "round": plan.round, "ended": ended, "cells": evaluation.cells.len(),
             "relative_error": error, "relative_error_se": se,
             "held_out_error": evaluation.relative_error, "held_out_error_se": evaluation.relative_error_se,
+            "target": run.config.target, "target_met": evaluation.meets(f64::from(run.config.target)),
+            "stop": ended.then_some(&text),
         });
         println!("{report}");
         return Ok(());

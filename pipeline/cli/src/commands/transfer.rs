@@ -1,7 +1,7 @@
 //! `rrf bake --method transfer`.
 
 use crate::args::BakeArgs;
-use crate::failure::BadInput;
+use crate::failure::{BadInput, require_target};
 use crate::progress::Bars;
 use crate::run_location::RunLocation;
 use crate::scene_file;
@@ -42,7 +42,9 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
         true => tell(args, &outcome, &cost, config.target),
         false => print(args, &outcome, &cost, config.target),
     }
-    Ok(())
+    let error = outcome.summary.relative_error;
+    let met = !args.require_target || error <= f64::from(config.target);
+    Ok(require_target(&args.output, (error, config.target), met)?)
 }
 
 /// Bytes of the model's tables.

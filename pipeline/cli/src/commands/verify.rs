@@ -18,7 +18,7 @@ pub struct VerifyArgs {
 
 /// Prints every damage with its remedy; fails where there is one.
 pub fn run(args: &VerifyArgs) -> anyhow::Result<()> {
-    let location = RunLocation::whole(&args.run)?;
+    let location = RunLocation::existing(&args.run)?;
     let found = rrf_bake::verify(location.folder())?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&found)?);

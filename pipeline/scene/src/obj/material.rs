@@ -170,6 +170,9 @@ impl Materials {
             // F0 = ((n - 1) / (n + 1))^2 = 0.08 specular.
             material.specular = ratio * ratio / 0.08;
         }
+        if let Some(reflector) = reflector(mtl) {
+            reflector.apply(mtl, &mut material);
+        }
         material.base_texture = self.texture(mtl, &mtl.diffuse_map, Encoding::Srgb, warnings);
         if mtl.diffuse_map.is_some() && material.base_texture == INVALID {
             material.base_color *= self.default_albedo;
@@ -255,8 +258,62 @@ impl Materials {
     }
 }
 
+/// A surface that only reflects: black by Kd, with a model of reflection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reflector {
+    /// Ks is the reflectance.
+    Mirror,
+    /// Reflects by its index of refraction; what it lets through is lost.
+    Glass,
+}
+
+/// How a material that has no Pr and Pm reflects.
+fn reflector(mtl: &Mtl) -> Option<Reflector> {
+    let is_black = mtl.diffuse == Some(Vec3::ZERO) && mtl.diffuse_map.is_none();
+    if !is_black || mtl.roughness.is_some() || mtl.metallic.is_some() {
+        return None;
+    }
+    match mtl.model? {
+        3.0 | 5.0 | 8.0 => Some(Reflector::Mirror),
+        4.0 | 6.0 | 7.0 | 9.0 => Some(Reflector::Glass),
+        _ => None,
+    }
+}
+
+impl Reflector {
+    /// Lobes of equal width: Phong's exponent n is a Beckmann roughness of (2 / (n + 2))^½
+    /// (Walter et al. 2007), and that is the square of ours.
+    fn apply(self, mtl: &Mtl, material: &mut Material) {
+        let alpha = |n: f32| (2.0 / (n.max(0.0) + 2.0)).sqrt();
+        material.kind = &PRINCIPLED;
+        material.roughness = mtl.exponent.map_or(0.0, |n| alpha(n).sqrt());
+        match self {
+            Reflector::Mirror => {
+                material.base_color = mtl.phong.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
+                material.metallic = 1.0;
+                material.specular = 0.5;
+            }
+            Reflector::Glass => {
+                let index = mtl.index.unwrap_or(1.5);
+                let ratio = (index - 1.0) / (index + 1.0);
+                material.metallic = 0.0;
+                material.specular = (ratio * ratio / 0.08).clamp(0.0, 1.0);
+            }
+        }
+    }
+}
+
 fn note_left_out(mtl: &Mtl, warnings: &mut Warnings) {
     let is_principled = mtl.roughness.is_some() || mtl.metallic.is_some();
+    match reflector(mtl) {
+        Some(Reflector::Mirror) => return,
+        Some(Reflector::Glass) => {
+            let message =
+                "glass (illum 4, 6, 7, 9) keeps its reflection only: it lets nothing through";
+            return warnings.add(&mtl.place, message);
+        }
+        None => {}
+    }
     // Models 0 and 1 have no reflection, whatever Ks says.
     let reflects = mtl.model.is_none_or(|model| model >= 2.0);
     let phong = mtl.phong.is_some_and(|phong| phong != Vec3::ZERO);

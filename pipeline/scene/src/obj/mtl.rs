@@ -19,6 +19,8 @@ pub(super) struct Mtl {
     pub(super) diffuse: Option<Vec3>,
     /// Ks, Phong reflectance.
     pub(super) phong: Option<Vec3>,
+    /// Ns, Phong exponent.
+    pub(super) exponent: Option<f32>,
     /// Ke, emitted radiance.
     pub(super) emission: Option<Vec3>,
     /// Ni, index of refraction.
@@ -39,8 +41,8 @@ pub(super) struct Mtl {
     pub(super) normal_map: Option<String>,
 }
 
-/// Statements without influence on a path tracer, or that only go with Ks.
-const WITHOUT_EFFECT: [&str; 6] = ["Ka", "map_Ka", "map_aat", "sharpness", "Ns", "map_Ns"];
+/// Statements without influence on a path tracer.
+const WITHOUT_EFFECT: [&str; 5] = ["Ka", "map_Ka", "map_aat", "sharpness", "map_Ns"];
 
 /// Reads the text of the library `path`.
 pub(super) fn parse(
@@ -89,6 +91,7 @@ impl Statement<'_> {
             "Kd" => material.diffuse = self.colour(warnings)?,
             "Ks" => material.phong = self.colour(warnings)?,
             "Ke" => material.emission = self.colour(warnings)?,
+            "Ns" => material.exponent = Some(self.number()?),
             "Ni" => material.index = Some(self.number()?),
             "Pr" => material.roughness = Some(self.number()?),
             "Pm" => material.metallic = Some(self.number()?),

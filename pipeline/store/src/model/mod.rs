@@ -5,6 +5,7 @@
 //! Scene hash, seed and the hash of the run are in their schema metadata. What is read back is checked as a whole:
 //! lengths, ids, finite numbers, a tree that ends, a net for every leaf.
 
+mod copies;
 mod fit;
 mod metrics;
 mod of_run;
@@ -13,6 +14,7 @@ mod transfer;
 mod tree;
 mod weights;
 
+pub use copies::write_parquet_copies;
 pub use fit::{Fit, fit_task, read_fit, write_fit};
 pub use metrics::{CellMetrics, Seams, Spread};
 pub use steps::{FitStep, read_steps, write_steps};
