@@ -72,7 +72,7 @@ pub fn bake(
             Err(BakeError::Store(damage)) if mends.spend(&run, &damage)? => continue,
             work => work?,
         }
-        let (evaluation, _) = match evaluate_round(&run, &round, watch.left()) {
+        let (evaluation, _) = match evaluate_round(&run, &round, watch) {
             Err(BakeError::Store(damage)) if mends.spend(&run, &damage)? => continue,
             evaluated => evaluated?,
         };

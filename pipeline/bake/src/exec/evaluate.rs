@@ -1,7 +1,8 @@
 //! The end of a round: its fits become the model, which is evaluated, and the next round is planned.
 
-use crate::error::BakeError;
+use crate::error::{BakeError, Halt};
 use crate::exec::stage::unfinished;
+use crate::exec::watch::Watch;
 use crate::plan::evaluation::{EvaluatedRound, Evaluation};
 use crate::plan::next::Next;
 use crate::plan::refinement::Refinement;
@@ -30,31 +31,37 @@ use std::time::{Duration, Instant};
 /// Rows of a cell at which its boundaries are compared: a commit reads no more parts than hold them.
 const BOUNDARY_ROWS: usize = 400;
 
-/// Commits a round whose tasks are done, evaluates its model and plans the next round. Where `left` is
-/// given, that round takes no more than what should be done in this time.
+/// Commits a round whose tasks are done, evaluates its model and plans the next round. Where the watch
+/// has a time limit, that round takes no more than what should be done in time. A signal ends it, and
+/// the same call does it again; a time limit does not, for the evaluation is what a bake is for.
 ///
 /// # Errors
-/// [`BakeError::Unfinished`] where a task is not done, [`BakeError::Gone`], [`BakeError::Store`].
+/// [`BakeError::Unfinished`] where a task is not done, [`BakeError::Gone`], [`BakeError::Store`],
+/// [`BakeError::Halted`].
 pub fn evaluate_round(
     run: &Run,
     plan: &RoundPlan,
-    left: Option<Duration>,
+    watch: &dyn Watch,
 ) -> Result<(Evaluation, Next), BakeError> {
-    run.unless_gone(finish(run, plan, left))
+    run.unless_gone(finish(run, plan, watch))
 }
 
-fn finish(
-    run: &Run,
-    plan: &RoundPlan,
-    left: Option<Duration>,
-) -> Result<(Evaluation, Next), BakeError> {
+/// An error once a signal has asked to stop.
+fn unless_interrupted(watch: &dyn Watch) -> Result<(), BakeError> {
+    match watch.halted() {
+        Some(why @ Halt::Interrupt) => Err(BakeError::Halted { why }),
+        _ => Ok(()),
+    }
+}
+
+fn finish(run: &Run, plan: &RoundPlan, watch: &dyn Watch) -> Result<(Evaluation, Next), BakeError> {
     let start = Instant::now();
-    let (plan, evaluation) = commit_compressed(run, plan)?;
-    let budget = match left {
+    let (plan, evaluation) = commit_compressed(run, plan, watch)?;
+    let budget = match watch.left() {
         Some(left) => seconds_left(run, &plan, left)?,
         None => None,
     };
-    let (next, refinements) = decide(run, &plan, &evaluation, budget)?;
+    let (next, refinements) = decide(run, &plan, &evaluation, budget, watch)?;
     let stop = match &next {
         Next::Stop(stop) => Some(*stop),
         Next::Round(next) => {
@@ -79,10 +86,11 @@ fn finish(
 fn commit_compressed<'a>(
     run: &Run,
     plan: &'a RoundPlan,
+    watch: &dyn Watch,
 ) -> Result<(Cow<'a, RoundPlan>, Evaluation), BakeError> {
     let mut plan = Cow::Borrowed(plan);
     loop {
-        let evaluation = commit(run, &plan)?;
+        let evaluation = commit(run, &plan, watch)?;
         let restored = match plan.compresses {
             Some(_) => match (run.plan_before(&plan)?, run.evaluated_before(&plan)?) {
                 (Some(before), Some(evaluated)) => {
@@ -129,7 +137,7 @@ fn rewrite(run: &Run, plan: &RoundPlan) -> Result<(), BakeError> {
 }
 
 /// Makes the fits of a round, and those kept from earlier rounds, the model of the run.
-fn commit(run: &Run, plan: &RoundPlan) -> Result<Evaluation, BakeError> {
+fn commit(run: &Run, plan: &RoundPlan, watch: &dyn Watch) -> Result<Evaluation, BakeError> {
     let missing = run.unfinished(plan)?;
     if missing > 0 {
         return Err(BakeError::Unfinished {
@@ -155,7 +163,8 @@ fn commit(run: &Run, plan: &RoundPlan) -> Result<Evaluation, BakeError> {
     let field = Field::new(plan.tree.clone(), models)?;
     let floor = epsilon(run.config.train.epsilon, f64::from(plan.mean_radiance));
     evaluation.test = test_rows::evaluate(&test_predictions(run, plan, &field)?, floor);
-    let found = boundaries(run, plan, &Boundaries::new(&field, &spans, floor))?;
+    let borders = Boundaries::new(&field, &spans, floor);
+    let found = boundaries(run, plan, &borders, watch)?;
     for (metrics, found) in metrics.iter_mut().zip(found) {
         metrics.seams = Some(found);
     }
@@ -183,8 +192,10 @@ fn boundaries(
     run: &Run,
     plan: &RoundPlan,
     boundaries: &Boundaries,
+    watch: &dyn Watch,
 ) -> Result<Vec<Seams>, BakeError> {
     let of_cell = |cell: &CellPlan| {
+        unless_interrupted(watch)?;
         let rows = held_out_rows(run, cell, BOUNDARY_ROWS)?;
         Ok(boundaries.discontinuity(cell.cell as usize, &rows)?)
     };
@@ -210,6 +221,7 @@ fn decide(
     plan: &RoundPlan,
     evaluation: &Evaluation,
     budget: Option<f64>,
+    watch: &dyn Watch,
 ) -> Result<(Next, Vec<Refinement>), BakeError> {
     if let Some(stop) = refine::stop_reason(&run.config, plan, evaluation) {
         let pass = compression_pass(run.inputs(), plan, evaluation, stop, budget)?;
@@ -220,7 +232,7 @@ fn decide(
         let valid = valid.into_values().flatten().collect();
         return Ok((Next::Round(Box::new(next)), valid));
     }
-    let possible = possible(run, plan, evaluation, &valid)?;
+    let possible = possible(run, plan, evaluation, &valid, watch)?;
     let gains = calibrated(run, plan, evaluation)?;
     let next = refine::next_round(run.inputs(), plan, evaluation, &possible, &gains, budget)?;
     Ok((next, possible))
@@ -232,6 +244,7 @@ fn possible(
     plan: &RoundPlan,
     evaluation: &Evaluation,
     valid: &BTreeMap<u32, Vec<Refinement>>,
+    watch: &dyn Watch,
 ) -> Result<Vec<Refinement>, BakeError> {
     let found = refine::missing_target(&run.config, evaluation)
         .into_par_iter()
@@ -239,6 +252,7 @@ fn possible(
             Some(cell) => match valid.get(&cell.cell) {
                 Some(refinements) => Ok(refinements.clone()),
                 None => {
+                    unless_interrupted(watch)?;
                     let (table, rows) = read_some(run, cell)?;
                     let config = &run.config;
                     Ok(refinements_of(config, plan, cell, evaluated, &table, rows))

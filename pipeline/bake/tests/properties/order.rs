@@ -15,7 +15,7 @@ fn finish(run: &Run, plan: &RoundPlan, context: &SamplingContext) -> BTreeMap<St
     extract_samples(run, plan, context, None, &()).unwrap();
     train_nets(run, plan, &()).unwrap();
     assert_eq!(run.unfinished(plan).unwrap(), 0);
-    evaluate_round(run, plan, None).unwrap();
+    evaluate_round(run, plan, &()).unwrap();
     files(&run.folder)
 }
 

@@ -115,7 +115,7 @@ pub fn train(args: &TrainArgs, quiet: bool) -> anyhow::Result<()> {
     };
     let watch = Bars::new(quiet, &args.bounds)?.keeping(location);
     rrf_bake::train_nets(&run, &plan, &watch)?;
-    let (evaluation, next) = rrf_bake::evaluate_round(&run, &plan, None)?;
+    let (evaluation, next) = rrf_bake::evaluate_round(&run, &plan, &watch)?;
     watch.push()?;
     print_evaluation(&evaluation, run.config.target);
     match next {

@@ -40,8 +40,7 @@ pub fn man(args: &ManArgs) -> anyhow::Result<()> {
             name => format!("rrf-{name}"),
         };
         let mut text = Vec::new();
-        let named = page.clone().name(name.clone());
-        clap_mangen::Man::new(named).render(&mut text)?;
+        clap_mangen::Man::new(page.clone()).render(&mut text)?;
         rrf_files::replace(&args.folder.join(format!("{name}.1")), &text)?;
         written += 1;
     }

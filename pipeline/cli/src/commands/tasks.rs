@@ -138,7 +138,7 @@ pub fn commit(args: &CommitArgs) -> anyhow::Result<()> {
         }
         return Ok(());
     };
-    let (evaluation, next) = rrf_bake::evaluate_round(&run, &plan, None)?;
+    let (evaluation, next) = rrf_bake::evaluate_round(&run, &plan, &())?;
     location.push()?;
     let (ended, text) = match &next {
         Next::Stop(stop) => (true, stop.text(plan.round + 1)),

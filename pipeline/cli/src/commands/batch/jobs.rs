@@ -103,7 +103,7 @@ fn jobs_of(bake: &Bake, base: &Path, output: &Path) -> anyhow::Result<Vec<Job>> 
     let time_limit = bake.time_limit.map(limit).transpose()?;
     let scene = base.join(&bake.scene);
     let loaded = scene_file::load(&scene, &settings.scene)?;
-    let of_seed = |seed: u64| {
+    let of_seed = |seed: u64| -> anyhow::Result<Job> {
         let settings = Settings {
             seed,
             ..settings.clone()
