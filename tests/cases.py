@@ -116,13 +116,13 @@ def overlapping(path, scratch):
 
 
 def inside_solid(path, scratch):
-    """A light within boxes that interpenetrate is warned of, and one beside them is not."""
+    """A light within boxes that interpenetrate is refused, and one beside them is not."""
     settings = "--rows 2000 --cells 2 --most-cells 2 --paths 8 --rounds 1".split()
     _, run = room(path, scratch, *settings, "--light-box=-1.5,-1.5,-1.5,1.5,1.5,1.5")
     for light, inside in (("0.01,0.02,0.03", True), ("1.5,1.5,1.5", False)):
         view = ["--eye=0,1,1.9", "--look-at=0,0,0", "--size=16x16", "-o", scratch / "sofa.png"]
-        wrong, out, errors = said("render", run, *view, f"--light={light}")
-        if wrong or inside != ("inside" in out + errors):
+        wrong, out, errors = said("render", run, *view, f"--light={light}", codes=(2,) if inside else (0,))
+        if wrong or inside != ("inside a solid" in out + errors):
             return wrong or f"light {light}: {out}{errors}"
     return ""
 

@@ -41,7 +41,7 @@ pub fn check_solver() -> Result<(), BadInput> {
 pub fn start_within_limits() {
     const THREADS: &str = "OPENBLAS_NUM_THREADS";
     #[cfg(unix)]
-    if address_limit().is_some() && std::env::var_os(THREADS).is_none() {
+    if address_limit().is_some() && std::env::var_os(THREADS).is_none_or(|n| n != "1") {
         use std::os::unix::process::CommandExt;
         if let Ok(program) = std::env::current_exe() {
             let words = std::env::args_os().skip(1);

@@ -165,7 +165,8 @@ fn traced(
     let values = if part.source.is_dark() {
         vec![Vec3::ZERO; rows.len()]
     } else {
-        part.tracer.unless_halted(estimator.estimate(part, &rows, each))?
+        part.tracer
+            .unless_halted(estimator.estimate(part, &rows, each))?
     };
     Ok(Estimates {
         replicates: sampling.replicates as usize,
