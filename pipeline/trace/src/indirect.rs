@@ -114,7 +114,9 @@ fn estimate_queries(
     let rows = queries.rows(sampling.replicates, first_index);
     Ok(Estimates {
         replicates: sampling.replicates as usize,
-        values: part.tracer.unless_halted(estimator.estimate(part, &rows, each))?,
+        values: part
+            .tracer
+            .unless_halted(estimator.estimate(part, &rows, each))?,
     })
 }
 
