@@ -7,6 +7,18 @@ use glam::{Mat3, Vec3};
 use rrf_lights::{Environment, EnvironmentMap, LightNames, Mapping};
 use std::path::Path;
 
+impl Scene {
+    /// Puts another sky in the place of the scene's, or gives it one.
+    ///
+    /// # Errors
+    /// [`SceneError`] where its picture cannot be read.
+    pub fn replace_sky(&mut self, option: &SkyOption) -> Result<(), SceneError> {
+        let is_sky = |light: &OwnLight| matches!(light.source, LightSource::Environment(_));
+        self.lights.retain(|light| !is_sky(light));
+        add_sky(self, option)
+    }
+}
+
 /// Adds the sky that a user asks for, lat-long with +y up.
 pub(crate) fn add_sky(scene: &mut Scene, option: &SkyOption) -> Result<(), SceneError> {
     let is_sky = |light: &&OwnLight| matches!(light.source, LightSource::Environment(_));

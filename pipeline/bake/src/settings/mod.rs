@@ -11,7 +11,7 @@ mod table;
 
 pub use method::Method;
 pub use parse::Hidden;
-pub use scene::SceneOptions;
+pub use scene::{SceneOptions, SkyArgs};
 
 use clap::{Args, ValueEnum};
 use parse::{input, region, share};

@@ -14,7 +14,15 @@ pub struct SceneOptions {
     /// Unit of glTF light intensities, named as in Blender's exporter.
     #[arg(long, value_name = "UNITS", default_value = "spec", value_parser = light_units())]
     pub light_units: LightUnits,
-    /// Sky of a scene whose file has none: a lat-long picture, +y up, or a radiance [W/(sr m²)].
+    /// Sky of a scene whose file has none.
+    #[command(flatten)]
+    pub sky: SkyArgs,
+}
+
+/// A sky, as typed.
+#[derive(Args, Clone, Debug, Default)]
+pub struct SkyArgs {
+    /// Sky where the file has none: a lat-long picture, +y up, or a radiance [W/(sr m²)].
     #[arg(long, value_name = "FILE.exr|r,g,b", value_parser = sky, allow_hyphen_values = true)]
     pub sky: Option<SkySource>,
     /// Angle in degrees that the picture of --sky is turned by, from -z towards +x.
@@ -32,8 +40,15 @@ impl SceneOptions {
         }
     }
 
-    /// The sky typed, its file by its whole path, so that a run finds it from elsewhere.
+    /// As [`SkyArgs::option`].
     pub fn sky_option(&self) -> Option<SkyOption> {
+        self.sky.option()
+    }
+}
+
+impl SkyArgs {
+    /// The sky typed, its file by its whole path, so that a run finds it from elsewhere.
+    pub fn option(&self) -> Option<SkyOption> {
         let source = match self.sky.clone()? {
             SkySource::Picture(path) => {
                 SkySource::Picture(std::path::absolute(&path).unwrap_or(path))

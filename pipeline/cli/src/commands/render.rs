@@ -9,6 +9,7 @@ use crate::residual;
 use crate::stats::{self, Clock};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use rrf_bake::settings::SkyArgs;
 use rrf_bake::settings::parse::positive;
 use rrf_extract::VisibilityQueries;
 use rrf_field::columns::Columns;
@@ -53,6 +54,9 @@ pub struct RenderArgs {
     /// View and lights.
     #[command(flatten)]
     pub view: ViewArgs,
+    /// Another sky than the run's scene has, or one for a scene without.
+    #[command(flatten)]
+    pub sky: SkyArgs,
     /// Shadow rays of each camera ray, shared by all lights. By default point lights get one
     /// each, and lamps, sky and sun together as many as --noise needs; with `--light-sampling
     /// uniform` all lights 16 together.
@@ -130,6 +134,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let mut baked = Baked::open(&args.run, args.trust.trust_error)?;
     if args.blend && baked.nets().is_none() {
         return Err(BadInput(NO_BLEND.into()).into());
+    }
+    if let Some(sky) = args.sky.option() {
+        baked.scene.replace_sky(&sky)?;
     }
     baked.scene = args.view.camera.relit(&baked.scene)?.into_owned();
     let shots = shots(args, &baked)?;
