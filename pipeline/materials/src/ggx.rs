@@ -42,8 +42,8 @@ pub(crate) fn visible_normal_density(half: &Half, cos_v: f32, alpha: f32) -> f32
 /// The half vector h of v and l by what the lobes need of it.
 pub(crate) struct Half {
     /// sin^2 and cos^2 of its angle to the normal.
-    sin2: f32,
-    cos2: f32,
+    pub(crate) sin2: f32,
+    pub(crate) cos2: f32,
     /// v.h = l.h
     pub(crate) cos_d: f32,
 }
@@ -51,7 +51,12 @@ pub(crate) struct Half {
 impl Half {
     #[inline(always)]
     pub(crate) fn new(n: Vec3, v: Vec3, l: Vec3) -> Half {
-        let sum = v + l;
+        Half::along(n, v, v + l)
+    }
+
+    /// The half vector along `sum`.
+    #[inline(always)]
+    pub(crate) fn along(n: Vec3, v: Vec3, sum: Vec3) -> Half {
         let length2 = sum.length_squared().max(f32::MIN_POSITIVE);
         let cosine = n.dot(sum);
         // By the cross product: 1 - cos^2 would lose a narrow lobe's digits.

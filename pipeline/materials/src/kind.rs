@@ -9,9 +9,10 @@ use std::fmt;
 /// How a surface scatters light: one kind of material, described once. All kinds are two-sided.
 ///
 /// World frame. `n` is the unit shading normal on the viewer's side, `v` points to the viewer
-/// (n.v > 0), `l` to where the light comes from. Values are f(v, l) cos(theta_l) \[1/sr\]; densities
-/// are with respect to solid angle about `l`. Light from below the surface is never scattered.
-/// The functions are free of branches, so that loops over columns vectorise.
+/// (n.v > 0), `l` to where the light comes from. Values are f(v, l) |cos(theta_l)| \[1/sr\] of
+/// radiance; densities are with respect to solid angle about `l`. Light from below the surface
+/// (n.l < 0) is scattered by kinds that transmit alone. Functions of frequent kinds are free of
+/// branches, so that loops over columns vectorise.
 pub struct MaterialKind {
     /// Its name in summaries.
     pub name: &'static str,
@@ -26,6 +27,15 @@ pub struct MaterialKind {
     pub depends_on_viewer: bool,
     /// Whether it reflects nothing at all.
     pub is_black: fn(&Bsdf) -> bool,
+    /// Whether light from below the surface reaches the viewer.
+    pub transmits: bool,
+    /// Index of refraction of what lies below the surface, relative to the vacuum; 1 where it does
+    /// not matter.
+    pub index: fn(&Bsdf) -> f32,
+    /// Absorption of what the surface encloses [1/m], if light travels there.
+    pub interior: fn(&Bsdf) -> Option<Vec3>,
+    /// Share of the light that goes straight through toward a viewer, by n.v.
+    pub straight: fn(&Bsdf, f32) -> Vec3,
     /// Its microfacet lobe, if it has one: flat surfaces with a narrow lobe are mirrors.
     pub lobe: fn(&Bsdf) -> Option<Lobe>,
     /// The parts that it has with these parameters.
@@ -95,6 +105,10 @@ pub struct Bsdf {
     pub own: [f32; OWN],
     /// The parts that value, density and sampler take; [`Parts::ALL`] unless taken apart.
     pub parts: Parts,
+    /// Index of refraction beyond the surface over that on the viewer's side.
+    pub eta: f32,
+    /// Whether the viewer is in what the surface encloses.
+    pub inside: bool,
 }
 
 /// A sampled direction.
@@ -136,6 +150,27 @@ impl Bsdf {
         [r, g, b, self.roughness, self.metallic, self.specular]
     }
 
+    /// Share of the light that goes straight through toward a viewer at n.v; black where nothing
+    /// does. [`Bsdf::sample`] has this light too unless [`Parts::STRAIGHT`] is taken out.
+    pub fn straight(&self, cosine: f32) -> Vec3 {
+        (self.kind.straight)(self, cosine)
+    }
+
+    /// Absorption of what it encloses [1/m], if light travels there.
+    pub fn interior(&self) -> Option<Vec3> {
+        (self.kind.interior)(self)
+    }
+
+    /// The same surface seen from within what it encloses, which has this index of refraction
+    /// relative to what lies outside.
+    pub fn from_within(self) -> Bsdf {
+        Bsdf {
+            eta: 1.0 / self.eta,
+            inside: true,
+            ..self
+        }
+    }
+
     /// Whether it reflects nothing, whatever the directions.
     pub fn is_black(&self) -> bool {
         (self.kind.is_black)(self)
@@ -152,6 +187,8 @@ pub struct MaterialLanes {
     specular: Lane,
     own: [Lane; OWN],
     parts: [Parts; TILE],
+    eta: Lane,
+    inside: [bool; TILE],
     /// One bit for each kind that a lane has been given since [`MaterialLanes::clear`].
     present: u32,
 }
@@ -200,6 +237,8 @@ impl MaterialLanes {
         specular: [0.0; TILE],
         own: [[0.0; TILE]; OWN],
         parts: [Parts::ALL; TILE],
+        eta: [1.0; TILE],
+        inside: [false; TILE],
         present: 0,
     };
 
@@ -218,6 +257,8 @@ impl MaterialLanes {
         self.metallic[i] = bsdf.metallic;
         self.specular[i] = bsdf.specular;
         self.parts[i] = bsdf.parts;
+        self.eta[i] = bsdf.eta;
+        self.inside[i] = bsdf.inside;
         let own = bsdf.own.iter().take(own_numbers(bsdf.kind.slots));
         for (lane, &number) in self.own.iter_mut().zip(own) {
             lane[i] = number;
@@ -240,6 +281,8 @@ impl MaterialLanes {
             specular: self.specular[i],
             own,
             parts: self.parts[i],
+            eta: self.eta[i],
+            inside: self.inside[i],
         }
     }
 

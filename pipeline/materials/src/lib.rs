@@ -37,7 +37,10 @@ mod kinds;
 mod lanes;
 mod material;
 pub mod math;
+mod opacity;
+mod opaque;
 mod parts;
+mod refraction;
 mod shade;
 mod slot;
 mod split;
@@ -46,9 +49,14 @@ mod texture;
 pub use frame::ShadingFrame;
 pub use ggx::{visible_normal, visible_normal_pdf};
 pub use kind::{Bsdf, CERTAIN, Lobe, MaterialKind, MaterialLanes, Scatter, Scattered};
-pub use kinds::{KINDS, LAMBERT, PRINCIPLED, cosine_hemisphere, cosine_hemisphere_pdf};
+pub use kinds::{
+    CONDUCTOR, DIELECTRIC, DIFFUSE_TRANSMISSION, KINDS, LAMBERT, Layers, Metal, PLASTIC,
+    PRINCIPLED, PRINCIPLED_EXTENDED, ROUGH_DIELECTRIC, THIN_DIELECTRIC, cosine_hemisphere,
+    cosine_hemisphere_pdf,
+};
 pub use lanes::{Lane, Lane3, TILE};
-pub use material::{INVALID, Material, Parameter, SlotValue};
+pub use material::{Material, Parameter, SlotValue};
+pub use opacity::Opacity;
 pub use parts::{BROAD_ROUGHNESS, Parts};
 pub use slot::{Slot, Storage};
-pub use texture::Texture;
+pub use texture::{INVALID, Texture};

@@ -1,11 +1,8 @@
 //! A material as a scene has it: parameters and the textures that multiply them.
 
 use crate::kind::OWN;
-use crate::{Bsdf, MaterialKind, Parts, Slot, Storage, Texture};
+use crate::{Bsdf, INVALID, MaterialKind, Opacity, Parts, Slot, Storage, Texture};
 use glam::{Vec2, Vec3};
-
-/// "No such thing" in a column of ids.
-pub const INVALID: u32 = u32::MAX;
 
 /// Material parameters; a texture, where present, multiplies the constant.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +22,8 @@ pub struct Material {
     /// Further parameters, one for each of the kind's slots in [`crate::Storage::Own`], in their
     /// order.
     pub own: Vec<Parameter>,
+    /// How much of the surface is there.
+    pub opacity: Opacity,
     /// Texture of linear base colour (RGB), or [`INVALID`].
     pub base_texture: u32,
     /// Texture of roughness (G) and metallic (B), or [`INVALID`].
@@ -96,7 +95,8 @@ impl Material {
     /// Every texture id that it names, [`INVALID`] among them.
     pub fn texture_ids(&self) -> impl Iterator<Item = u32> {
         let own = self.own.iter().map(|parameter| parameter.texture);
-        self.textures().into_iter().chain(own)
+        let all = self.textures().into_iter().chain(own);
+        all.chain([self.opacity.texture])
     }
 
     /// Whether a texture multiplies any of its parameters.
@@ -120,11 +120,14 @@ impl Bsdf {
             specular: material.specular,
             own: [0.0; OWN],
             parts: Parts::ALL,
+            eta: 1.0,
+            inside: false,
         };
         for (parameter, [first, end]) in own(material) {
             let numbers = parameter.value.to_array();
             bsdf.own[first..end].copy_from_slice(&numbers[..end - first]);
         }
+        bsdf.eta = (material.kind.index)(&bsdf);
         bsdf
     }
 

@@ -19,8 +19,11 @@ impl Parts {
     pub const BROAD: Parts = Parts(1);
     /// Narrower lobes and sharp reflection and refraction.
     pub const NARROW: Parts = Parts(2);
+    /// Light that goes straight through thin panes. It goes with the narrow part; whoever lets rays
+    /// pass panes takes it out.
+    pub const STRAIGHT: Parts = Parts(4);
     /// Everything.
-    pub const ALL: Parts = Parts(3);
+    pub const ALL: Parts = Parts(7);
 
     /// Whether it has all of `other`.
     #[inline(always)]
@@ -31,6 +34,17 @@ impl Parts {
     /// What it has in common with `other`.
     pub fn and(self, other: Parts) -> Parts {
         Parts(self.0 & other.0)
+    }
+
+    /// What it has beyond `other`.
+    pub fn without(self, other: Parts) -> Parts {
+        Parts(self.0 & !other.0)
+    }
+
+    /// One if it has light that goes straight through, else zero.
+    #[inline(always)]
+    pub(crate) fn straight(self) -> f32 {
+        (self.0 >> 2 & 1) as f32
     }
 
     /// The part that a microfacet lobe belongs to.

@@ -5,7 +5,7 @@
 pub struct Slot {
     /// Its name in summaries and messages.
     pub name: &'static str,
-    /// Its name in Mitsuba's plugin.
+    /// Its name in Mitsuba's plugin; empty where that has no such parameter.
     pub mitsuba: &'static str,
     /// Where its numbers stand.
     pub storage: Storage,

@@ -9,13 +9,13 @@ use crate::{Bsdf, INVALID, Material, Parameter, Parts};
 impl Bsdf {
     /// The part that nets can answer for, as a material of its own; `None` if there is none.
     pub fn broad(&self) -> Option<Bsdf> {
-        self.only(Parts::BROAD)
+        self.only(Parts::BROAD, Parts::BROAD)
     }
 
     /// The part that has to be followed along the ray, as a material of its own; `None` if there
     /// is none.
     pub fn narrow(&self) -> Option<Bsdf> {
-        self.only(Parts::NARROW)
+        self.only(Parts::NARROW, Parts::NARROW | Parts::STRAIGHT)
     }
 
     /// Whether it has nothing but a narrow part.
@@ -29,9 +29,17 @@ impl Bsdf {
         (self.kind.parts)(self).and(self.parts)
     }
 
-    fn only(&self, part: Parts) -> Option<Bsdf> {
+    /// It without light that goes straight through.
+    pub fn without_straight(self) -> Bsdf {
+        Bsdf {
+            parts: self.parts.without(Parts::STRAIGHT),
+            ..self
+        }
+    }
+
+    fn only(&self, part: Parts, kept: Parts) -> Option<Bsdf> {
         self.has().has(part).then_some(Bsdf {
-            parts: part,
+            parts: self.parts.and(kept),
             ..*self
         })
     }

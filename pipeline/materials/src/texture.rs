@@ -2,6 +2,9 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
+/// "No such thing" in a column of ids.
+pub const INVALID: u32 = u32::MAX;
+
 /// A decoded picture, row-major from the top, three linear f32 channels a texel.
 /// Looked up with wrap-around repetition and bilinear interpolation.
 #[derive(Clone, Debug, PartialEq)]

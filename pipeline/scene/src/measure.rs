@@ -162,6 +162,12 @@ impl Columns {
             "material_textures",
             materials().flat_map(Material::textures),
         );
+        let veils = || materials().map(|m| m.opacity);
+        if veils().any(|o| o.lets_through()) {
+            self.floats("opacities", veils().map(|o| o.value));
+            self.floats("cutoffs", veils().map(|o| o.cutoff.unwrap_or(-1.0)));
+            self.ids("opacity_textures", veils().map(|o| o.texture));
+        }
         let further = || materials().flat_map(|m| &m.own);
         if further().next().is_some() {
             self.floats("own", further().flat_map(|p| p.value.to_array()));

@@ -1,7 +1,7 @@
 //! Triangles as hits and samples need them: geometry and material side by side.
 
 use glam::{DVec3, Vec3};
-use rrf_materials::{INVALID, Material};
+use rrf_materials::{Bsdf, INVALID, Material};
 use rrf_scene::Scene;
 
 /// Rounding units by which a ray's origin is lifted off its triangle, times the largest
@@ -24,6 +24,12 @@ pub(crate) struct Facet {
     pub(crate) smooth: bool,
     /// Whether the material differs from its constants anywhere.
     pub(crate) textured: bool,
+    /// Whether it encloses a solid that light travels in.
+    pub(crate) encloses: bool,
+    /// Whether light goes straight through somewhere: a thin pane, or holes of an alpha mask.
+    pub(crate) passes: bool,
+    /// Whether the corners' normals point to the other side than the geometric one.
+    pub(crate) inverted: bool,
 }
 
 impl Facet {
@@ -44,8 +50,18 @@ impl Facet {
             material,
             smooth: is_smooth(scene, id, normal, textures),
             textured: textures.varies(),
+            encloses: Bsdf::of(textures).interior().is_some(),
+            passes: textures.opacity.lets_through()
+                || Bsdf::of(textures).straight(1.0) != Vec3::ZERO,
+            inverted: is_inverted(scene, id, normal),
         };
         (facet, 0.5 * doubled.length())
+    }
+
+    /// Whether a viewer in direction `v` is on the inner side.
+    #[inline(always)]
+    pub(crate) fn is_inside(&self, v: Vec3) -> bool {
+        (self.normal.dot(v) < 0.0) != self.inverted
     }
 
     /// The point with these barycentrics.
@@ -65,6 +81,12 @@ fn is_smooth(scene: &Scene, id: usize, normal: Vec3, material: &Material) -> boo
         unit != Vec3::ZERO && unit.cross(normal).length() < 1e-6
     });
     material.normal_texture != INVALID || !(none || own)
+}
+
+/// Whether the corners' normals, where there are some, tell another outer side than the corners' order.
+fn is_inverted(scene: &Scene, id: usize, normal: Vec3) -> bool {
+    let normals = scene.triangles[id].map(|v| scene.normals[v as usize]);
+    normals.iter().sum::<Vec3>().dot(normal) < 0.0
 }
 
 /// Cross product of two edges: along the geometric normal, as long as twice the area. In f64,

@@ -56,7 +56,7 @@ impl Rays {
         self.origin.is_empty()
     }
 
-    fn rows(&self) -> impl Iterator<Item = Ray> {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = Ray> {
         let columns = self.origin.iter().zip(&self.direction).zip(&self.t_max);
         columns.map(|((&origin, &direction), &t_max)| Ray {
             origin,
@@ -95,11 +95,24 @@ thread_local! {
 
 /// [`closest`] on columns.
 pub(crate) fn closest_columns(wide: &Wide, rays: &Rays, hits: &mut Hits) {
+    closest_columns_by(wide, rays, hits, |_, _, _| {});
+}
+
+/// [`closest`] on columns, each hit moved on by `onward`.
+pub(crate) fn closest_columns_by(
+    wide: &Wide,
+    rays: &Rays,
+    hits: &mut Hits,
+    onward: impl Fn(&Ray, &mut Found, &mut Stack),
+) {
     let mut scratch = SCRATCH.take();
     let Scratch { rows, found, stack } = &mut scratch;
     rows.clear();
     rows.extend(rays.rows());
     closest(wide, rows, stack, found);
+    for (ray, found) in rows.iter().zip(found.iter_mut()) {
+        onward(ray, found, stack);
+    }
     hits.triangle.clear();
     hits.barycentrics.clear();
     hits.t.clear();

@@ -11,6 +11,12 @@ impl Tracer<'_> {
         constants.textured(material, &self.scene.textures, uv)
     }
 
+    /// Opacity at a point in [0, 1].
+    pub(crate) fn opacity(&self, triangle: u32, at: [f32; 2]) -> f32 {
+        let opacity = &self.material(triangle).opacity;
+        opacity.at(&self.scene.textures, || self.uv(triangle, at))
+    }
+
     fn material(&self, triangle: u32) -> &Material {
         let id = self.facets[triangle as usize].material;
         &self.scene.materials[id as usize]

@@ -38,10 +38,20 @@ pub(crate) struct Site {
     /// Shading normal on the outer side; zero where it is the geometric one.
     bent: Vec3,
     pub(crate) lift: f32,
+    /// Whether it encloses a solid that light travels in, on the side of the outward normal if inverted.
+    pub(crate) encloses: bool,
+    inverted: bool,
+    /// As seen from outside.
     pub(crate) bsdf: Bsdf,
 }
 
 impl Site {
+    /// Whether light between these directions crosses a surface that encloses a solid.
+    #[inline]
+    pub(crate) fn enters(&self, v: Vec3, l: Vec3) -> bool {
+        self.encloses && (self.outward.dot(v) < 0.0) != (self.outward.dot(l) < 0.0)
+    }
+
     /// Both normals turned to the side of `v`.
     #[inline(always)]
     pub(crate) fn seen_from(&self, v: Vec3) -> Vertex {
@@ -63,7 +73,11 @@ impl Site {
             geometric,
             shading,
             lift: self.lift,
-            bsdf: self.bsdf,
+            bsdf: if self.encloses && back != self.inverted {
+                self.bsdf.from_within()
+            } else {
+                self.bsdf
+            },
         }
     }
 
@@ -76,6 +90,13 @@ impl Site {
 }
 
 impl Vertex {
+    /// Whether light from `l` is on one side of both normals: light through a surface by one of
+    /// them alone does not count.
+    #[inline]
+    pub(crate) fn agrees(&self, l: Vec3) -> bool {
+        (self.geometric.dot(l) > 0.0) == (self.shading.dot(l) > 0.0)
+    }
+
     /// Black, nowhere.
     pub(crate) const NONE: Vertex = Vertex {
         position: Vec3::ZERO,
@@ -117,10 +138,12 @@ impl Tracer<'_> {
         self.vertex(point.triangle, point.barycentrics, v).shading
     }
 
-    /// Material parameters at a point, textures looked up.
+    /// Material parameters at a point, textures looked up, as seen from outside.
     pub fn material_at(&self, point: &SurfacePoint) -> Bsdf {
-        self.vertex(point.triangle, point.barycentrics, point.normal)
-            .bsdf
+        let facet = &self.facets[point.triangle as usize];
+        let inside = facet.encloses && facet.is_inside(point.normal);
+        let outer = if inside { -point.normal } else { point.normal };
+        self.vertex(point.triangle, point.barycentrics, outer).bsdf
     }
 
     /// [`Tracer::normal_at`] and [`Tracer::material_at`] in one look-up.
@@ -150,6 +173,8 @@ impl Tracer<'_> {
                 Vec3::ZERO
             },
             lift: facet.lift,
+            encloses: facet.encloses,
+            inverted: facet.inverted,
             bsdf: if facet.textured {
                 self.textured(triangle, barycentrics, constants)
             } else {

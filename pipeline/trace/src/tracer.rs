@@ -6,7 +6,7 @@ use crate::facets::Facet;
 use crate::light_set::LightSet;
 use crate::mirrors::Mirrors;
 use crate::rays::{self, Hits, Rays};
-use crate::walk::Wide;
+use crate::walk::{Found, Ray, Stack, Wide};
 use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
@@ -35,6 +35,10 @@ pub struct Tracer<'s> {
     pub(crate) area_cdf: Vec<f64>,
     /// Its area lights, shining as in the scene.
     pub(crate) lamps: LightSet,
+    /// Whether some triangle encloses a solid that light travels in.
+    pub(crate) encloses: bool,
+    /// Whether light goes straight through some triangle.
+    pub(crate) passes: bool,
     /// Its flat glossy surfaces.
     pub(crate) mirrors: Mirrors,
     /// Corners of the box about its triangles.
@@ -78,6 +82,8 @@ impl<'s> Tracer<'s> {
             bounds,
             kept,
             mirrors: Mirrors::new(scene, &facets, &areas),
+            encloses: facets.iter().any(|facet| facet.encloses),
+            passes: facets.iter().any(|facet| facet.passes),
             facets,
             materials: scene.materials.iter().map(Bsdf::of).collect(),
             lamps: LightSet::new(scene, &area_cdf, scene.area_lights.clone(), []),
@@ -119,14 +125,43 @@ impl<'s> Tracer<'s> {
         !self.mirrors.is_empty()
     }
 
-    /// The closest triangle of every ray, into `hits`.
+    /// The closest triangle of every ray, into `hits`. Rays pass where an alpha mask lets more than
+    /// half of the light through.
     pub fn closest(&self, rays: &Rays, hits: &mut Hits) {
-        rays::closest_columns(&self.wide, rays, hits);
+        if !self.passes {
+            return rays::closest_columns(&self.wide, rays, hits);
+        }
+        let skip = |ray: &Ray, found: &mut Found, stack: &mut Stack| {
+            self.skip_holes(ray, found, stack);
+        };
+        rays::closest_columns_by(&self.wide, rays, hits, skip);
     }
 
-    /// Whether anything lies along each ray, into `blocked`.
+    /// Whether no light passes along each ray, into `blocked`.
     pub fn occluded(&self, rays: &Rays, blocked: &mut Vec<bool>) {
         rays::occluded_columns(&self.wide, rays, blocked);
+        if self.passes {
+            let mut shares = Vec::new();
+            self.transmitted(rays, &mut shares);
+            blocked.clear();
+            blocked.extend(shares.iter().map(|share| *share == Vec3::ZERO));
+        }
+    }
+
+    /// Share of light that passes along each ray, into `shares`: 1 where nothing lies on it, 0 where
+    /// it is blocked, and the product of the transmittances of thin panes and alpha masks between.
+    pub fn transmitted(&self, rays: &Rays, shares: &mut Vec<Vec3>) {
+        let mut blocked = Vec::new();
+        rays::occluded_columns(&self.wide, rays, &mut blocked);
+        let (mut stack, mut hits) = (self.wide.stack(), Vec::new());
+        shares.clear();
+        for (ray, blocked) in rays.rows().zip(blocked) {
+            shares.push(match (blocked, self.passes) {
+                (false, _) => Vec3::ONE,
+                (true, false) => Vec3::ZERO,
+                (true, true) => self.transmittance(&ray, &mut stack, &mut hits),
+            });
+        }
     }
 
     /// A ray's origin just off a triangle, on the side that `direction` leaves to.

@@ -2,9 +2,10 @@
 
 use crate::kind::{OWN, scatter_lanes};
 use crate::math::{pick, sin_cos_turn};
+use crate::opaque;
 use crate::{
-    Bsdf, INVALID, Material, MaterialKind, MaterialLanes, Parts, Scatter, ShadingFrame, Slot,
-    Storage,
+    Bsdf, INVALID, Material, MaterialKind, MaterialLanes, Opacity, Parts, Scatter, ShadingFrame,
+    Slot, Storage,
 };
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -17,6 +18,10 @@ pub static LAMBERT: MaterialKind = MaterialKind {
     mitsuba: "diffuse",
     depends_on_viewer: false,
     is_black: |bsdf| bsdf.base_color == Vec3::ZERO,
+    transmits: false,
+    index: opaque::index,
+    interior: opaque::interior,
+    straight: opaque::straight,
     lobe: |_| None,
     parts: |_| Parts::BROAD,
     eval,
@@ -39,6 +44,7 @@ impl Material {
             metallic: 0.0,
             specular: 0.0,
             own: Vec::new(),
+            opacity: Opacity::OPAQUE,
             base_texture: INVALID,
             roughness_metallic_texture: INVALID,
             normal_texture: INVALID,
@@ -56,6 +62,8 @@ impl Bsdf {
         specular: 0.0,
         own: [0.0; OWN],
         parts: Parts::ALL,
+        eta: 1.0,
+        inside: false,
     };
 }
 

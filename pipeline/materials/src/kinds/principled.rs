@@ -11,6 +11,7 @@ use crate::fresnel::{dielectric, index_of_refraction, schlick};
 use crate::ggx::{Half, alpha, ggx, smith, visible_normal, visible_normal_density};
 use crate::kind::scatter_lanes;
 use crate::math::pick;
+use crate::opaque;
 use crate::{Bsdf, Lobe, Material, MaterialKind, Parts, Scatter, ShadingFrame, Slot, Storage};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -28,6 +29,10 @@ pub static PRINCIPLED: MaterialKind = MaterialKind {
     mitsuba: "principled",
     depends_on_viewer: true,
     is_black: |_| false,
+    transmits: false,
+    index: opaque::index,
+    interior: opaque::interior,
+    straight: opaque::straight,
     lobe: |bsdf| {
         let metal = bsdf.base_color.max_element() * bsdf.metallic;
         Some(Lobe {
@@ -142,13 +147,13 @@ fn specular_probability(bsdf: &Bsdf, cos_v: f32) -> f32 {
 
 /// Burley's diffuse lobe without its colour (2012 course notes, section 5.3).
 #[inline(always)]
-fn burley(roughness: f32, cos_v: f32, cos_l: f32, cos_d: f32) -> f32 {
+pub(super) fn burley(roughness: f32, cos_v: f32, cos_l: f32, cos_d: f32) -> f32 {
     let grazing = 2.0 * roughness * cos_d * cos_d - 0.5;
     (1.0 + grazing * schlick(cos_v)) * (1.0 + grazing * schlick(cos_l)) / PI
 }
 
 /// Luminance of a linear sRGB colour.
 #[inline(always)]
-fn luminance(color: Vec3) -> f32 {
+pub(super) fn luminance(color: Vec3) -> f32 {
     color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }

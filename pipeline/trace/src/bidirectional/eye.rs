@@ -1,6 +1,7 @@
 //! Paths from the query's point.
 
 use super::light::sent_to;
+use crate::media::Media;
 use crate::surface::Site;
 use glam::Vec3;
 
@@ -15,6 +16,8 @@ pub(super) struct EyeVertex {
     pub(super) viewer: Vec3,
     /// Product of f cos / pdf.
     pub(super) throughput: Vec3,
+    /// Solids of glass that the path is in.
+    pub(super) media: Media,
     /// Largest channel of the throughput after the first scattering.
     pub(super) first: f32,
     /// Which vertex this is.

@@ -39,22 +39,23 @@ pub(super) struct LightVertex {
     pub(super) first_place: (Vec3, Vec3),
 }
 
-/// f cos and density at a point, for light from `l` sent to `v`; zero through the surface.
+/// f cos and density at a point, for light from `l` sent to `v`.
 #[inline]
 pub(super) fn scattered(site: &Site, v: Vec3, l: Vec3) -> (Vec3, f32) {
     let at = site.seen_from(v);
-    if at.geometric.dot(l) <= 0.0 {
+    if !at.agrees(l) {
         return (Vec3::ZERO, 0.0);
     }
     let value = at.bsdf.eval(at.shading, v, l);
     (value, at.bsdf.pdf(at.shading, v, l))
 }
 
-/// Density at a point with which light from `l` is sent to `v`.
+/// Density at a point with which light from `l` is sent to `v`; zero into solids of glass, where light
+/// subpaths do not go.
 #[inline]
 pub(super) fn sent_to(site: &Site, v: Vec3, l: Vec3) -> f32 {
     let at = site.seen_from(l);
-    if at.geometric.dot(v) <= 0.0 {
+    if !at.agrees(v) || site.enters(v, l) {
         return 0.0;
     }
     at.bsdf.pdf(at.shading, l, v)

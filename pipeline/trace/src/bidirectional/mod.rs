@@ -20,6 +20,7 @@ mod openings;
 mod pilot;
 mod run;
 mod subpath;
+mod travel;
 
 use crate::wave::{Part, Row};
 use emit::Lights;

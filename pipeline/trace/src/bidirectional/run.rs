@@ -1,30 +1,38 @@
 //! One thread's paths.
 
-use super::connect::{Joint, connect, met, next_event};
-use super::emit::{End, Group, Lights};
+use super::connect::{Joint, connect, next_event};
+use super::emit::{End, Lights};
 use super::eye::EyeVertex;
 use super::light::LightVertex;
+use crate::media::Media;
 use crate::rays;
 use crate::tracer::Tracer;
 use crate::walk::{Found, Ray, Stack};
 use crate::wave::{Part, Row};
 use glam::{DVec3, Vec3};
 use rrf_materials::INVALID;
+use rrf_sampling::Stream;
 use rrf_sampling::sobol::{self, DIMENSIONS, Scramble, Table};
-use rrf_sampling::{Stream, roulette_tail};
 use std::ops::Range;
 
 /// The part of a stream that these paths draw from.
 const PART: u32 = 0x6264_7074;
 
 /// Blocks of numbers a bounce.
-const BLOCKS: u32 = 16;
+pub(super) const BLOCKS: u32 = 16;
 /// First blocks of the choices of a light, of the ends and places that mirrors show, and of light
 /// subpaths: one a group.
 const CHOICE: u32 = 1;
 const MIRRORED: u32 = 4;
 const PLACE: u32 = 7;
 const ONWARD: u32 = 10;
+
+/// First of the blocks that say what rays pass: of paths, of light subpaths, of looks at mirrors; 256 surfaces
+/// a ray.
+pub(super) const PASS: u32 = 1 << 26;
+const PASS_LIGHT: u32 = 2 << 26;
+const PASS_LOOKS: u32 = 3 << 26;
+pub(super) const PASSES: u32 = 256;
 
 /// First dimensions of what is evenly spread: two directions, where light subpaths begin, and where they go.
 const ENDS: usize = 6;
@@ -35,38 +43,45 @@ pub(super) struct Joined {
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Found>,
     pub(super) stack: Stack,
+    /// What one ray meets beyond a surface that it passes.
+    pub(super) beyond: Vec<Found>,
     pub(super) light_vertices: Vec<LightVertex>,
-    eyes: Vec<EyeVertex>,
+    pub(super) eyes: Vec<EyeVertex>,
     shadows: Vec<Ray>,
     arriving: Vec<(u32, Vec3)>,
     blocked: Vec<bool>,
     /// Rays to mirrors: vertex, end, and which mirror.
     looking: Vec<(usize, End, u8)>,
     looks: Vec<Ray>,
-    sums: Vec<Vec3>,
+    pub(super) sums: Vec<Vec3>,
 }
 
 /// Where a path draws its numbers.
-struct Draws<'a> {
+pub(super) struct Draws<'a> {
     stream: Stream,
     row: &'a Row,
     numbers: Range<usize>,
     each: usize,
     table: &'a Table,
     /// Of the path, and of each group of lights as they begin and as mirrors show them.
-    scrambles: [Scramble; DIMENSIONS],
+    pub(super) scrambles: [Scramble; DIMENSIONS],
     by_group: [[[Scramble; DIMENSIONS]; 2]; 3],
 }
 
 impl Draws<'_> {
     /// Independent numbers.
-    fn block(&self, path: u32, block: u32) -> [f32; 4] {
+    pub(super) fn block(&self, path: u32, block: u32) -> [f32; 4] {
         let number = self.row.replicate as usize * self.each + self.numbers.start + path as usize;
         self.stream.units(self.row.index, number as u32, block)
     }
 
     /// Numbers that are evenly spread among the paths of a replicate.
-    fn spread(&self, path: u32, scrambles: &[Scramble; DIMENSIONS], first: usize) -> [f32; 3] {
+    pub(super) fn spread(
+        &self,
+        path: u32,
+        scrambles: &[Scramble; DIMENSIONS],
+        first: usize,
+    ) -> [f32; 3] {
         let point = self.table.reversed(self.numbers.start + path as usize);
         std::array::from_fn(|d| sobol::scramble(point[first + d], scrambles[first + d]))
     }
@@ -82,6 +97,7 @@ impl Joined {
             rays: Vec::new(),
             hits: Vec::new(),
             stack: tracer.wide.stack(),
+            beyond: Vec::new(),
             light_vertices: Vec::new(),
             eyes: Vec::new(),
             shadows: Vec::new(),
@@ -125,6 +141,7 @@ impl Joined {
                 site,
                 viewer: row.viewer,
                 throughput: Vec3::ONE,
+                media: Media::NONE,
                 first: 1.0,
                 number: 0,
                 density: 0.0,
@@ -172,7 +189,13 @@ impl Joined {
             let block = BLOCKS * z.number + ONWARD + z.end.group as u32;
             draws.block(z.path, block)
         };
-        self.trace_light((tracer, lights), &leaving, &draw);
+        // a path's groups and vertices have numbers of their own
+        let pass = |ray: u32, n: u32| {
+            let (path, vertex) = (ray >> 2 & 0xfffff, ray >> 22);
+            let block = PASS_LIGHT + ((vertex << 2 | ray & 3) * PASSES) + n;
+            draws.block(path, block)[0]
+        };
+        self.trace_light((tracer, lights), &leaving, &draw, &pass);
     }
 
     /// Joins every vertex to the vertices of its light subpaths and, but for the first, to lights.
@@ -247,9 +270,21 @@ impl Joined {
             }
         }
         rays::closest(&tracer.wide, &self.looks, &mut self.stack, &mut self.hits);
+        std::mem::swap(&mut self.rays, &mut self.looks);
+        let (looking, eyes) = (
+            std::mem::take(&mut self.looking),
+            std::mem::take(&mut self.eyes),
+        );
+        let factors = self.pass(tracer, &|k, n| {
+            let x: &EyeVertex = &eyes[looking[k].0];
+            let ray = 4 * x.number + looking[k].1.group as u32;
+            draws.block(x.path, PASS_LOOKS + ray * PASSES + n)[0]
+        });
+        (self.looking, self.eyes) = (looking, eyes);
+        std::mem::swap(&mut self.rays, &mut self.looks);
         let hits = std::mem::take(&mut self.hits);
         let looking = std::mem::take(&mut self.looking);
-        for (&(i, end, mirror), hit) in looking.iter().zip(&hits) {
+        for ((&(i, end, mirror), hit), factor) in looking.iter().zip(&hits).zip(factors) {
             if hit.triangle == INVALID || tracer.mirrors.of(hit.triangle) != mirror {
                 continue;
             }
@@ -263,10 +298,10 @@ impl Joined {
                 let origin = z.site.origin(z.toward);
                 let (direction, t_max) = lights.shadow(&end, origin);
                 Joint {
+                    value: joint.value * factor,
                     origin,
                     direction,
                     t_max,
-                    ..joint
                 }
             });
             self.push(x.path, joint);
@@ -283,86 +318,14 @@ impl Joined {
             &mut self.stack,
             &mut self.blocked,
         );
-        for (&(path, value), &blocked) in self.arriving.iter().zip(&self.blocked) {
-            if !blocked {
+        for (k, &(path, value)) in self.arriving.iter().enumerate() {
+            if !self.blocked[k] {
                 self.sums[path as usize] += value;
+            } else if tracer.passes {
+                let (stack, hits) = (&mut self.stack, &mut self.beyond);
+                let share = tracer.transmittance(&self.shadows[k], stack, hits);
+                self.sums[path as usize] += value * share;
             }
-        }
-    }
-
-    /// Chooses where paths go, adds the light that they meet there, and moves them on.
-    fn travel(&mut self, part: &Part, lights: &Lights, draws: &Draws) {
-        let tracer = part.tracer;
-        self.rays.clear();
-        let mut leaving = Vec::new();
-        for x in &self.eyes {
-            let mut u = draws.block(x.path, BLOCKS * x.number);
-            if x.number < 2 {
-                let even = draws.spread(x.path, &draws.scrambles, 3 * x.number as usize);
-                u[..3].copy_from_slice(&even);
-            }
-            let at = x.site.seen_from(x.viewer);
-            let to = at.bsdf.sample(at.shading, x.viewer, [u[0], u[1], u[2]]);
-            let throughput = x.throughput * to.weight;
-            let largest = throughput.max_element();
-            let survival = match x.number {
-                0 => 1.0,
-                n => (part.keep * roulette_tail(n) * largest / x.first).min(1.0),
-            };
-            let goes_on = to.pdf > 0.0 && at.geometric.dot(to.l) > 0.0;
-            if !goes_on || u[3] >= survival || largest < f32::MIN_POSITIVE {
-                continue;
-            }
-            self.rays.push(Ray {
-                origin: x.site.origin(to.l),
-                direction: to.l,
-                t_max: f32::INFINITY,
-            });
-            leaving.push((*x, to, throughput / survival));
-        }
-        rays::closest(&tracer.wide, &self.rays, &mut self.stack, &mut self.hits);
-        self.eyes.clear();
-        let has = |wanted| lights.groups().any(|group| group == wanted);
-        let (lamps, far) = (has(Group::Lamps), has(Group::Far));
-        for ((x, to, throughput), hit) in leaving.into_iter().zip(&self.hits) {
-            let counts = x.number > 0;
-            let went = (throughput, to.pdf);
-            if hit.triangle == INVALID {
-                if counts && far {
-                    for index in lights.visible_from_afar() {
-                        let end = lights.from_afar(index, to.l);
-                        self.sums[x.path as usize] += met(tracer, lights, &x, went, &end);
-                    }
-                }
-                continue;
-            }
-            if counts
-                && lamps
-                && let Some(end) = lights.met_lamp(hit.triangle, hit.barycentrics)
-            {
-                self.sums[x.path as usize] += met(tracer, lights, &x, went, &end);
-            }
-            let site = tracer.site(hit.triangle, hit.barycentrics);
-            let [there, here] = [&site, &x.site].map(|site| site.outward.dot(to.l).abs());
-            let distance2 = hit.t * hit.t;
-            self.eyes.push(EyeVertex {
-                triangle: hit.triangle,
-                site,
-                viewer: -to.l,
-                throughput,
-                first: if counts {
-                    x.first
-                } else {
-                    throughput.max_element()
-                },
-                number: x.number + 1,
-                density: to.pdf * there / distance2,
-                back: here / distance2,
-                before: x.density,
-                from: x.site.position,
-                others: x.earlier(to.l, 1),
-                ..x
-            });
         }
     }
 }

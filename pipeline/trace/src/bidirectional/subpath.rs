@@ -7,7 +7,8 @@ use crate::mirrors::NO_MIRROR;
 use crate::rays;
 use crate::tracer::Tracer;
 use crate::walk::Ray;
-use rrf_materials::INVALID;
+use glam::Vec3;
+use rrf_materials::{CERTAIN, INVALID};
 
 impl Joined {
     /// Traces the rays that leave the lights, `self.rays` with path and end of each, and what goes
@@ -17,14 +18,22 @@ impl Joined {
         (tracer, lights): (&Tracer, &Lights),
         leaving: &[(u32, End)],
         draw: &dyn Fn(&LightVertex) -> [f32; 4],
+        pass: &dyn Fn(u32, u32) -> f32,
     ) {
         self.light_vertices.clear();
         rays::closest(&tracer.wide, &self.rays, &mut self.stack, &mut self.hits);
         let mut last = Vec::new();
-        for ((path, end), hit) in leaving.iter().zip(&self.hits) {
+        let factors = self.pass(tracer, &|k, n| {
+            pass(4 * leaving[k].0 + leaving[k].1.group as u32, n)
+        });
+        for (((path, end), hit), factor) in leaving.iter().zip(&self.hits).zip(factors) {
             if hit.triangle != INVALID {
                 let place = (hit.triangle, hit.barycentrics);
-                last.extend(LightVertex::first((tracer, lights), *path, place, end));
+                let first = LightVertex::first((tracer, lights), *path, place, end);
+                last.extend(first.map(|z| LightVertex {
+                    arriving: z.arriving * factor,
+                    ..z
+                }));
             }
         }
         for k in 1..=LIGHT_VERTICES as u32 {
@@ -32,10 +41,28 @@ impl Joined {
             if k == LIGHT_VERTICES as u32 || last.is_empty() {
                 break;
             }
-            last = self.go_on(tracer, &last, draw);
+            last = self.go_on(tracer, &last, draw, pass);
         }
         // by path, in the order along it: connections go through them path by path
         self.light_vertices.sort_by_key(|z| z.path);
+    }
+
+    /// Lets `self.rays` pass panes and alpha masks, by a number for each ray and surface: the factors of
+    /// their light.
+    pub(super) fn pass(
+        &mut self,
+        tracer: &Tracer,
+        number: &dyn Fn(usize, u32) -> f32,
+    ) -> Vec<Vec3> {
+        let mut factors = vec![Vec3::ONE; self.rays.len()];
+        if tracer.passes {
+            let columns = self.rays.iter().zip(&mut self.hits).zip(&mut factors);
+            for (k, ((ray, hit), factor)) in columns.enumerate() {
+                let (stack, hits) = (&mut self.stack, &mut self.beyond);
+                *factor = tracer.pass_by_chance(ray, hit, stack, hits, |n| number(k, n));
+            }
+        }
+        factors
     }
 
     /// The vertices after `last`.
@@ -44,6 +71,7 @@ impl Joined {
         tracer: &Tracer,
         last: &[LightVertex],
         draw: &dyn Fn(&LightVertex) -> [f32; 4],
+        pass: &dyn Fn(u32, u32) -> f32,
     ) -> Vec<LightVertex> {
         self.rays.clear();
         let mut leaving = Vec::new();
@@ -51,8 +79,10 @@ impl Joined {
             let u = draw(z);
             let at = z.site.seen_from(z.toward);
             let to = at.bsdf.sample(at.shading, z.toward, [u[0], u[1], u[2]]);
-            let cosine = at.geometric.dot(to.l);
-            if to.pdf <= 0.0 || cosine <= 0.0 {
+            let cosine = at.geometric.dot(to.l).abs();
+            // light that is reflected sharply or goes into glass is left to the other end
+            let ends = to.pdf >= CERTAIN || !at.agrees(to.l) || z.site.enters(z.toward, to.l);
+            if to.pdf <= 0.0 || cosine <= 0.0 || ends {
                 continue;
             }
             let (value, density) = scattered(&z.site, to.l, z.toward);
@@ -72,8 +102,13 @@ impl Joined {
             leaving.push((z, to, z.arriving * sent / survival, [cosine, others]));
         }
         rays::closest(&tracer.wide, &self.rays, &mut self.stack, &mut self.hits);
+        let factors = self.pass(tracer, &|k, n| {
+            let z: &LightVertex = leaving[k].0;
+            pass(4 * (z.path + (z.number << 20)) + z.end.group as u32, n)
+        });
         let mut next = Vec::new();
-        for ((z, to, sent, [cosine, others]), hit) in leaving.into_iter().zip(&self.hits) {
+        let ends = self.hits.iter().zip(factors);
+        for ((z, to, sent, [cosine, others]), (hit, factor)) in leaving.into_iter().zip(ends) {
             if hit.triangle == INVALID {
                 continue;
             }
@@ -86,7 +121,7 @@ impl Joined {
             next.push(LightVertex {
                 site,
                 toward: -to.l,
-                arriving: sent / arriving,
+                arriving: sent * factor / arriving,
                 density: to.pdf * arriving / distance2,
                 back: cosine / distance2,
                 before: z.density,

@@ -53,6 +53,19 @@ fn toward(at: &Vertices, i: usize, point: Vec3) -> (f32, Vec3) {
     (distance2, to / distance2.sqrt())
 }
 
+/// Whether `l` leaves to the viewer's side, and whether both normals agree about that: light through
+/// a surface by one of them alone does not count.
+#[inline(always)]
+fn side<const MIXED: bool>(at: &Vertices, i: usize, n: Vec3, l: Vec3) -> (bool, bool) {
+    let above = at.surfaces.geometric.get(i).dot(l) > 0.0;
+    let agrees = if MIXED {
+        above == (n.dot(l) > 0.0)
+    } else {
+        above
+    };
+    (above, agrees)
+}
+
 /// Shading normal of a lit point on the side that `l` arrives from; the geometric one where it
 /// turns away.
 #[inline(always)]
@@ -78,7 +91,9 @@ fn next_event_lanes<const MIXED: bool>(
         let (n, v) = (at.surfaces.shading.get(i), at.viewer.get(i));
         let (value, _) = eval::<MIXED>(&at.surfaces.materials, &answers.here, i, [n, v, l]);
         let cosine = geometric.dot(l);
-        let weight = if shared {
+        let (above, faces) = side::<MIXED>(at, i, n, l);
+        // the others find light on the viewer's side alone
+        let weight = if shared & above {
             let other = cosine / (at.solid_angle[i] * distance2) + at.mirror_density[i];
             at.density[i] / (at.density[i] + other)
         } else {
@@ -86,11 +101,9 @@ fn next_event_lanes<const MIXED: bool>(
         };
         let value = at.throughput.get(i) * value * (weight / distance2);
         let value = value * at.intensity.get(i);
-        let origin = at.surfaces.origin(i);
-        out.value.set(
-            i,
-            pick((cosine > 0.0) & (distance2 > 0.0), value, Vec3::ZERO),
-        );
+        let origin = at.surfaces.origin_on(i, above);
+        out.value
+            .set(i, pick(faces & (distance2 > 0.0), value, Vec3::ZERO));
         out.origin.set(i, origin);
         out.direction.set(i, light - origin);
     }
@@ -113,8 +126,9 @@ fn next_lamp_lanes<const MIXED: bool>(
         let per_area = density * cosine / distance2;
         let scale = cosine / (distance2 * (lamps.density[i] + per_area));
         let value = at.throughput.get(i) * value * lamps.radiance.get(i) * scale;
-        let faces = (at.surfaces.geometric.get(i).dot(l) > 0.0) & (cosine > 0.0);
-        let origin = at.surfaces.origin(i);
+        let (above, agrees) = side::<MIXED>(at, i, n, l);
+        let faces = agrees & (cosine > 0.0);
+        let origin = at.surfaces.origin_on(i, above);
         let target = lamps.position.get(i) + lamps.normal.get(i) * lamps.lift[i];
         out.value
             .set(i, pick(faces & (distance2 > 0.0), value, Vec3::ZERO));
@@ -143,9 +157,9 @@ fn next_far_lanes<const MIXED: bool>(
             1.0
         };
         let value = at.throughput.get(i) * value * far.irradiance.get(i) * weight;
-        let faces = at.surfaces.geometric.get(i).dot(l) > 0.0;
+        let (above, faces) = side::<MIXED>(at, i, n, l);
         out.value.set(i, pick(faces, value, Vec3::ZERO));
-        out.origin.set(i, at.surfaces.origin(i));
+        out.origin.set(i, at.surfaces.origin_on(i, above));
         out.direction.set(i, l);
     }
 }
@@ -171,8 +185,9 @@ fn connect_lanes<const MIXED: bool>(
         let per_area = density * cosine / distance2;
         let scale = cosine * lit.falloff[i] / (distance2 * (lit.density[i] + per_area));
         let value = at.throughput.get(i) * value * onward * scale * lit.intensity.get(i);
-        let faces = (at.surfaces.geometric.get(i).dot(l) > 0.0) & (cosine > 0.0);
-        let origin = at.surfaces.origin(i);
+        let (above, agrees) = side::<MIXED>(at, i, n, l);
+        let faces = agrees & (cosine > 0.0);
+        let origin = at.surfaces.origin_on(i, above);
         let is_lit = (lit.falloff[i] > 0.0) & (lit.density[i] > 0.0);
         let counts = faces & (distance2 > 0.0) & is_lit;
         out.value.set(i, pick(counts, value, Vec3::ZERO));
@@ -207,11 +222,11 @@ fn scatter_lanes<const MIXED: bool>(
         let throughput = at.throughput.get(i) * sampled.weight;
         let largest = throughput.max_element();
         let survival = (keep * largest / at.first[i]).min(1.0);
-        let goes_on = (draws.units[3][i] < survival)
-            & (at.surfaces.geometric.get(i).dot(sampled.l) > 0.0)
-            & (largest >= f32::MIN_POSITIVE);
+        let n = at.surfaces.shading.get(i);
+        let (above, agrees) = side::<MIXED>(at, i, n, sampled.l);
+        let goes_on = (draws.units[3][i] < survival) & agrees & (largest >= f32::MIN_POSITIVE);
         out.throughput.set(i, throughput / survival);
-        out.origin.set(i, at.surfaces.origin(i));
+        out.origin.set(i, at.surfaces.origin_on(i, above));
         out.direction.set(i, sampled.l);
         out.density[i] = if goes_on { sampled.pdf } else { 0.0 };
     }

@@ -9,6 +9,7 @@ use crate::walk::Ray;
 use glam::Vec3;
 use rrf_materials::math::sin_cos_turn;
 use rrf_materials::{INVALID, TILE};
+use rrf_sampling::unit;
 
 impl Wave {
     /// Sends one ray from each path's light, uniform over the sphere (density 1 / (4 pi) with
@@ -38,9 +39,13 @@ impl Wave {
         }
         let tracer = batch.part.tracer;
         rays::closest(&tracer.wide, &self.rays, &mut self.stack, &mut self.hits);
+        let mut factors = vec![Vec3::ONE; self.rays.len()];
+        if tracer.lets_rays_pass() {
+            self.pass_light_subpaths(batch, &mut factors);
+        }
         self.light_vertices.clear();
         let rays = self.rays.iter().zip(&self.path_lights);
-        for ((ray, light), hit) in rays.zip(&self.hits) {
+        for (((ray, light), hit), factor) in rays.zip(&self.hits).zip(factors) {
             self.light_vertices.push(if hit.triangle == INVALID {
                 LightVertex::NONE
             } else {
@@ -52,11 +57,30 @@ impl Wave {
                     vertex,
                     toward,
                     falloff,
-                    intensity,
+                    intensity: intensity * factor,
                     mirror: tracer.mirrors.flat_of(hit.triangle),
                     density: vertex.geometric.dot(toward) * falloff / solid_angle,
                 }
             });
+        }
+    }
+}
+
+impl Wave {
+    /// Lets the lights' rays pass panes and alpha masks; `factors` are those of their light.
+    fn pass_light_subpaths(&mut self, batch: &Batch, factors: &mut [Vec3]) {
+        let columns = self.paths.iter().zip(&self.rays).zip(factors);
+        for (((path, ray), factor), hit) in columns.zip(&mut self.hits) {
+            let row = &batch.rows[path.row as usize];
+            let number = path.number + row.replicate * batch.replicate_paths as u32;
+            let (stack, hits) = (&mut self.stack, &mut self.beyond);
+            let stream = batch.part.stream;
+            *factor = batch
+                .part
+                .tracer
+                .pass_by_chance(ray, hit, stack, hits, |k| {
+                    unit(stream.block(row.index, number, random::PASS_BLOCKS + k)[0])
+                });
         }
     }
 }

@@ -25,6 +25,14 @@ pub(super) fn load<'a>(
         if bounce == 0 && batch.part.broad {
             vertex.bsdf = vertex.bsdf.broad().unwrap_or(Bsdf::BLACK);
         }
+        let facet = &tracer.facets[path.triangle as usize];
+        if facet.encloses && !path.media.is_empty() {
+            vertex.bsdf = tracer.between(facet, vertex.bsdf, path.media);
+        }
+        // rays pass panes; those that have stopped at one are reflected
+        if facet.passes && bounce > 0 {
+            vertex.bsdf = vertex.bsdf.without_straight();
+        }
         vertices.surfaces.set(i, &vertex);
         vertices.viewer.set(i, path.viewer);
         vertices.throughput.set(i, path.throughput);

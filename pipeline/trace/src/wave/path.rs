@@ -1,5 +1,6 @@
 //! The rows that a wave moves about.
 
+use crate::media::Media;
 use crate::mirrors::NO_MIRROR;
 use crate::surface::Vertex;
 use glam::Vec3;
@@ -24,6 +25,8 @@ pub(crate) struct Path {
     /// Density of the last direction (solid angle) until the ray is traced, then of the vertex
     /// (area).
     pub(crate) density: f32,
+    /// Solids of glass that it is in.
+    pub(crate) media: Media,
     /// Where the path came from.
     pub(crate) from: Vec3,
     /// Density with which a mirror would have led here, with respect to area.

@@ -15,6 +15,11 @@ pub(crate) const SPECULAR: usize = LIGHT + 3;
 pub(crate) const SPECULAR_BLOCKS: u32 = 1 << 29;
 /// First of the three dimensions of the first light from afar.
 pub(crate) const FAR: usize = SPECULAR;
+/// Blocks of the choice whether rays pass a surface, [`PASSES`] a bounce; those of light subpaths
+/// come first, those of connections 2^25 later.
+pub(crate) const PASS_BLOCKS: u32 = 1 << 26;
+/// Surfaces that one ray may pass.
+pub(crate) const PASSES: u32 = 256;
 /// Block of the choice of a path's point of light.
 pub(crate) const POINT_BLOCK: u32 = 1 << 27;
 /// Blocks of the choice of light from afar, one a bounce.

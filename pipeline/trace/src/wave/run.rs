@@ -6,6 +6,7 @@ use super::part::{Part, Row};
 use super::path::{Connection, LightVertex, Path, PathLight};
 use super::random::{self, Draws};
 use super::tile::Contributions;
+use crate::media::Media;
 use crate::mirrors::{NO_MIRROR, Shown};
 use crate::rays;
 use crate::tracer::Tracer;
@@ -82,6 +83,8 @@ pub(super) struct Wave {
     pub(super) shadows: Vec<Ray>,
     pub(super) arriving: Vec<(u32, Vec3)>,
     blocked: Vec<bool>,
+    /// What one ray meets beyond a surface that it passes.
+    pub(super) beyond: Vec<Found>,
     /// Vertices that look at mirrors, their rays, and which of them met one.
     pub(super) connections: Vec<Connection>,
     pub(super) connection_rays: Vec<Ray>,
@@ -114,6 +117,7 @@ impl Wave {
             shadows: Vec::new(),
             arriving: Vec::new(),
             blocked: Vec::new(),
+            beyond: Vec::new(),
             connections: Vec::new(),
             connection_rays: Vec::new(),
             met: Vec::new(),
@@ -179,6 +183,7 @@ impl Wave {
                 throughput: Vec3::ONE,
                 first: 1.0,
                 density: 0.0,
+                media: Media::NONE,
                 from: Vec3::ZERO,
                 mirror_density: 0.0,
             }));
@@ -205,11 +210,46 @@ impl Wave {
 
     /// Adds what arrives along the shadow rays that nothing blocks.
     fn gather_light(&mut self, batch: &Batch) {
-        let wide = &batch.part.tracer.wide;
-        rays::occluded(wide, &self.shadows, &mut self.stack, &mut self.blocked);
-        for (&(slot, value), &blocked) in self.arriving.iter().zip(&self.blocked) {
-            if !blocked {
+        let tracer = batch.part.tracer;
+        rays::occluded(
+            &tracer.wide,
+            &self.shadows,
+            &mut self.stack,
+            &mut self.blocked,
+        );
+        let passes = tracer.lets_rays_pass();
+        for (k, &(slot, value)) in self.arriving.iter().enumerate() {
+            if !self.blocked[k] {
                 self.sums[slot as usize] += value;
+            } else if passes {
+                let (stack, hits) = (&mut self.stack, &mut self.beyond);
+                let share = tracer.transmittance(&self.shadows[k], stack, hits);
+                self.sums[slot as usize] += value * share;
+            }
+        }
+    }
+
+    /// Lets the next rays pass panes and alpha masks, and absorbs what glass does up to where they end.
+    fn pass(&mut self, batch: &Batch, bounce: u32) {
+        let tracer = batch.part.tracer;
+        let first = random::PASS_BLOCKS + (2 + bounce) * random::PASSES;
+        let paths = self.next.iter_mut().zip(&self.rays);
+        for ((path, ray), hit) in paths.zip(&mut self.hits) {
+            if tracer.lets_rays_pass() {
+                let row = &batch.rows[path.row as usize];
+                let number = path.number + row.replicate * batch.replicate_paths as u32;
+                let (stack, hits) = (&mut self.stack, &mut self.beyond);
+                let factor = tracer.pass_by_chance(ray, hit, stack, hits, |k| {
+                    let stream = batch.part.stream;
+                    unit(stream.block(row.index, number, first + k)[0])
+                });
+                path.throughput *= factor;
+            }
+            if hit.triangle != INVALID {
+                let facet = &tracer.facets[hit.triangle as usize];
+                // rays start off their surface
+                let distance = hit.t + ray.origin.distance(path.from);
+                path.throughput *= tracer.left_after(distance, path.media, facet, path.viewer);
             }
         }
     }
@@ -219,6 +259,9 @@ impl Wave {
     fn travel(&mut self, batch: &Batch, bounce: u32) {
         let tracer = batch.part.tracer;
         rays::closest(&tracer.wide, &self.rays, &mut self.stack, &mut self.hits);
+        if tracer.encloses || tracer.passes {
+            self.pass(batch, bounce);
+        }
         let (source, lit) = (batch.part.source, bounce >= batch.first_lit());
         let lamps = source.triangles().filter(|_| lit);
         let far = source.has_far() && lit;

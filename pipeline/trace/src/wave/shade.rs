@@ -187,6 +187,11 @@ impl Wave {
                 let direction = self.departures.direction.get(i);
                 let throughput = self.departures.throughput.get(i);
                 let largest = throughput.max_element();
+                let facet = &batch.part.tracer.facets[before.triangle as usize];
+                let mut media = before.media;
+                if facet.encloses && at.surfaces.geometric.get(i).dot(direction) < 0.0 {
+                    media.cross(facet, facet.is_inside(before.viewer));
+                }
                 self.rays.push(Ray {
                     origin: self.departures.origin.get(i),
                     direction,
@@ -198,6 +203,7 @@ impl Wave {
                     throughput,
                     first: if bounce == 0 { largest } else { before.first },
                     density,
+                    media,
                     ..*before
                 });
             }

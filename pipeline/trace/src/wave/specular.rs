@@ -11,6 +11,7 @@ use crate::walk::Ray;
 use glam::Vec3;
 use rrf_materials::math::pick;
 use rrf_materials::{INVALID, TILE};
+use rrf_sampling::unit;
 
 impl Wave {
     /// Sends a ray to a point of a mirror from every vertex of a tile that sees the light in one.
@@ -65,6 +66,9 @@ impl Wave {
             &mut self.stack,
             &mut self.hits,
         );
+        if tracer.lets_rays_pass() {
+            self.pass_connections(batch, bounce);
+        }
         let mut met = std::mem::take(&mut self.met);
         met.clear();
         for (connection, hit) in self.connections.iter().zip(&self.hits) {
@@ -106,6 +110,25 @@ impl Wave {
         self.met = met;
         self.connections.clear();
         self.connection_rays.clear();
+    }
+
+    /// Lets rays to mirrors pass panes and alpha masks.
+    fn pass_connections(&mut self, batch: &Batch, bounce: u32) {
+        let first = random::PASS_BLOCKS + (1 << 25) + bounce * random::PASSES;
+        let columns = self.connections.iter_mut().zip(&self.connection_rays);
+        for ((connection, ray), hit) in columns.zip(&mut self.hits) {
+            let path = &mut connection.path;
+            let row = &batch.rows[path.row as usize];
+            let number = path.number + row.replicate * batch.replicate_paths as u32;
+            let (stack, hits) = (&mut self.stack, &mut self.beyond);
+            let stream = batch.part.stream;
+            path.throughput *= batch
+                .part
+                .tracer
+                .pass_by_chance(ray, hit, stack, hits, |k| {
+                    unit(stream.block(row.index, number, first + k)[0])
+                });
+        }
     }
 
     /// Lane `i` of the lit points: a point of a mirror, seen from the light.

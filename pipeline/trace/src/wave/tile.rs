@@ -34,6 +34,13 @@ impl Surfaces {
         self.materials.set(i, &vertex.bsdf);
     }
 
+    /// Where rays start that leave to the viewer's side, or to the other one.
+    #[inline(always)]
+    pub(crate) fn origin_on(&self, i: usize, above: bool) -> Vec3 {
+        let lift = if above { self.lift[i] } else { -self.lift[i] };
+        self.position.get(i) + self.geometric.get(i) * lift
+    }
+
     /// Where rays start that leave to the viewer's side.
     #[inline(always)]
     pub(crate) fn origin(&self, i: usize) -> Vec3 {

@@ -6,6 +6,7 @@ mod chi_square;
 mod determinism;
 mod estimators;
 mod furnace;
+mod glass;
 mod hierarchy;
 mod lamps;
 mod mirrors;
