@@ -2,6 +2,7 @@
 
 use super::config::TransferBakeConfig;
 use super::ensemble::{conditions, light_stream};
+use super::observer::Observer;
 use super::read::is_damage;
 use super::run::TransferRun;
 use super::space::FreeSpace;
@@ -14,8 +15,8 @@ use rrf_store::layout::remove_unfinished;
 use rrf_store::model::write_transfer;
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    DirectLight, FlatMirrors, LightConditions, TransferError, TransferModel, TransferStage,
-    TransferWatch, bake_transfer, named_light,
+    DirectLight, FlatMirrors, LightConditions, TransferError, TransferModel, bake_transfer,
+    named_light,
 };
 use std::path::Path;
 
@@ -86,7 +87,7 @@ pub(super) fn make(
     let mirrors = FlatMirrors::new(tracer);
     let lights: Vec<_> = drawn.chain(own).map(|light| mirrors.of(light)).collect();
     let lights: Vec<&dyn DirectLight> = lights.iter().map(|l| l as &dyn DirectLight).collect();
-    let observer = Observer(watch);
+    let observer = Observer::new(watch);
     let model = bake_transfer(tracer, space, &lights, &config.plan(), &observer);
     watch.end();
     let model = model.map_err(|error| match (error, watch.halted()) {
@@ -96,22 +97,4 @@ pub(super) fn make(
         (error, _) => BakeError::Transfer(error),
     })?;
     Ok((model, lights.len() as u32))
-}
-
-/// Passes on what a bake says of itself.
-struct Observer<'a>(&'a dyn Watch);
-
-impl TransferWatch for Observer<'_> {
-    fn halted(&self) -> bool {
-        self.0.halted().is_some()
-    }
-
-    fn begin(&self, stage: TransferStage, total: u64) {
-        self.0.end();
-        self.0.begin_stage(stage.name(), total);
-    }
-
-    fn advance(&self, steps: u64) {
-        self.0.advance(steps);
-    }
 }

@@ -44,6 +44,8 @@ pub struct TransferBakeConfig {
     pub paths: u32,
     /// Further rounds of rows at most.
     pub rounds: u32,
+    /// Share of the light that the clusters which a cell reads may leave out.
+    pub cluster_error: f64,
     /// Hidden units of nets.
     pub units: usize,
     /// Point lights of the ensemble.
@@ -58,16 +60,10 @@ impl TransferBakeConfig {
     /// A preset's settings.
     pub fn preset(preset: Preset, seed: u64) -> TransferBakeConfig {
         let plain = TransferConfig::default();
-        let (patches, rows, paths, rounds, lights) = match preset {
-            Preset::Preview => (500, 6_000, 128, 0, [100, 32, 8]),
-            Preset::Standard => (
-                plain.patches.count,
-                plain.rows,
-                plain.paths.paths,
-                1,
-                [200, 64, 16],
-            ),
-            Preset::Fine => (8_000, 120_000, 256, 3, [300, 96, 24]),
+        let (patches, rows, paths, rounds, cluster_error, lights) = match preset {
+            Preset::Preview => (500, 6_000, 128, 0, 0.01, [100, 32, 8]),
+            Preset::Standard => (2_000, 30_000, 256, 0, 0.003, [200, 64, 16]),
+            Preset::Fine => (8_000, 120_000, 256, 3, 0.002, [300, 96, 24]),
         };
         let [points, suns, skies] = lights;
         TransferBakeConfig {
@@ -84,6 +80,7 @@ impl TransferBakeConfig {
             rows,
             paths,
             rounds,
+            cluster_error,
             units: plain.net.units,
             points,
             suns,
@@ -98,6 +95,7 @@ impl TransferBakeConfig {
             rows: self.rows,
             rounds: self.rounds,
             target: self.target,
+            cluster_error: self.cluster_error,
             ..TransferConfig::default()
         };
         plan.patches.count = self.patches;

@@ -5,6 +5,7 @@
 mod bake;
 mod config;
 mod ensemble;
+mod observer;
 mod part_rows;
 mod read;
 mod run;

@@ -77,7 +77,7 @@ impl Rounds<'_> {
             for (key, fit) in self.cells(&batch, &todo, watch)? {
                 found.insert(key, fit);
             }
-            if round == config.rounds {
+            if round == config.rounds || !watch.may_refine() {
                 break;
             }
             let mut more = Vec::new();

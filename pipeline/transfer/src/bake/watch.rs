@@ -28,6 +28,10 @@ pub trait TransferWatch: Sync {
     fn halted(&self) -> bool {
         false
     }
+    /// Whether cells that err may get further rows; where a clock decides, it decides the bits too.
+    fn may_refine(&self) -> bool {
+        true
+    }
     /// A stage of `total` steps begins; the one before is over.
     fn begin(&self, _stage: TransferStage, _total: u64) {}
     /// More steps are done.
