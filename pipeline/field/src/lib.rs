@@ -57,7 +57,8 @@ pub use baseline::{probes, quadratic};
 pub use error::FieldError;
 pub use evaluate::borders::{self, Borders};
 pub use evaluate::{
-    EXP_ERROR, EvaluationTimings, Field, LitField, MAX_EXPONENT, TANH_ERROR, Workspace, tanh,
+    EXP_ERROR, EvaluationTimings, Field, LitField, MAX_EXPONENT, TANH_ERROR, Workspace,
+    rational_tanh,
 };
 pub use light::Light;
 pub use model::net;

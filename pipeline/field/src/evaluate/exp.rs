@@ -27,7 +27,7 @@ const TAYLOR: [f32; 8] = [
 /// exp(x) for x at most [`MAX_EXPONENT`] (larger ones are held there), within [`EXP_ERROR`]
 /// relative; NaN stays NaN. x = n ln 2 + r, exp(x) = 2^n exp(r).
 ///
-/// `FUSED` as in [`super::tanh::tanh`].
+/// `FUSED` as in [`super::tanh::rational_tanh`].
 #[inline(always)]
 pub fn exp<const FUSED: bool>(x: f32) -> f32 {
     // 1.5 · 2^23: adding it leaves the nearest integer in the lowest bits of the mantissa.

@@ -6,7 +6,7 @@
 
 use super::exp::exp;
 use super::packed::{Packed, group};
-use super::tanh::{multiply_add, tanh};
+use super::tanh::{multiply_add, rational_tanh};
 use crate::columns;
 use crate::inputs::block::Block;
 use crate::inputs::lane::Lane;
@@ -303,7 +303,7 @@ fn add<const LANES: usize>(mut a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES]
 #[inline(always)]
 fn activate<const FUSED: bool, const LANES: usize>(mut z: [f32; LANES]) -> [f32; LANES] {
     for z in &mut z {
-        *z = tanh::<FUSED>(*z);
+        *z = rational_tanh::<FUSED>(*z);
     }
     z
 }

@@ -13,5 +13,5 @@ mod walk;
 pub use exp::{EXP_ERROR, MAX_EXPONENT};
 pub use field::Field;
 pub use lights::{LitField, Workspace};
-pub use tanh::{TANH_ERROR, tanh};
+pub use tanh::{TANH_ERROR, rational_tanh};
 pub use timings::EvaluationTimings;

@@ -83,7 +83,7 @@ impl Default for TransferConfig {
             patch_error: 0.1,
             finer_patches: 1.5,
             receiver_points: 8,
-            rows: 30_000,
+            rows: 20_000,
             paths: RowConfig {
                 paths: 256,
                 ..RowConfig::default()
@@ -96,15 +96,15 @@ impl Default for TransferConfig {
             cell_rows: 400,
             cell_rank: 16,
             cell_error: 0.01,
-            cluster_error: 0.01,
+            cluster_error: 0.03,
             judging: 8,
-            rounds: 0,
-            target: 0.06,
+            rounds: 1,
+            target: 0.1,
             local: LocalConfig::default(),
             net: NetConfig::default(),
             nodes: 96,
             choice: CellChoice::Best,
-            patience: 1.1,
+            patience: 1.25,
             trust: 0.2,
         }
     }

@@ -43,6 +43,8 @@ const NEAREST: f32 = 0.02;
 const GRAZING: f32 = 0.02;
 /// Cosine between normals of points of one face.
 const ALIKE: f32 = 0.5;
+/// Tries of a point beside another.
+const TRIES: u32 = 8;
 /// Heights of ways between neighbouring points, relative to how far apart they may be.
 const HEIGHTS: [f32; 3] = [1.0, 0.25, 0.06];
 /// Share of the rows that are spread evenly over what is seen.
@@ -145,14 +147,37 @@ fn beside(tracer: &Tracer, like: &RowPoint, u: [f32; 4]) -> Option<RowPoint> {
     (facing > GRAZING).then_some(RowPoint { point, ..*like })
 }
 
-/// Another point of the same surface around one, uniform over a disk in its plane; none where something
-/// parts the two, such as the wall of a box that stands on the surface.
-pub(crate) fn near(tracer: &Tracer, like: &RowPoint, radius: f32, u: [f32; 4]) -> Option<RowPoint> {
+/// Another point of the same surface around one; none where something parts the two, such as the
+/// wall of a box that stands on the surface. Half of the tries are uniform over a disk in its
+/// plane, the others over its triangle, which finds more on strips that are narrow beside the disk.
+pub(crate) fn near(
+    tracer: &Tracer,
+    like: &RowPoint,
+    radius: f32,
+    numbers: &dyn Fn(u32) -> [f32; 4],
+) -> Option<RowPoint> {
+    (0..TRIES).find_map(|k| near_once(tracer, like, radius, numbers(k), k % 2 == 0))
+}
+
+fn near_once(
+    tracer: &Tracer,
+    like: &RowPoint,
+    radius: f32,
+    u: [f32; 4],
+    in_disk: bool,
+) -> Option<RowPoint> {
     let own = TransferQuery::of_row(tracer, like);
-    let (x, y) = own.geometric.any_orthonormal_pair();
-    let (sin, cos) = (std::f32::consts::TAU * u[0]).sin_cos();
-    let place = own.position + (x * cos + y * sin) * (radius * u[1].sqrt());
-    let point = tracer.locate(place, own.geometric)?;
+    let point = if in_disk {
+        let (x, y) = own.geometric.any_orthonormal_pair();
+        let (sin, cos) = (std::f32::consts::TAU * u[0]).sin_cos();
+        let place = own.position + (x * cos + y * sin) * (radius * u[1].sqrt());
+        tracer.locate(place, own.geometric)?
+    } else {
+        let barycentrics = rrf_sampling::warp::uniform_triangle([u[0], u[1]]);
+        let point = tracer.point(like.point.triangle, barycentrics);
+        let is_near = point.position.distance(own.position) <= radius;
+        is_near.then_some(point)?
+    };
     let other = TransferQuery::new(tracer, &point, like.viewer);
     let is_same = other.surface == own.surface && other.geometric.dot(own.geometric) > ALIKE;
     if !is_same || other.facing() <= GRAZING {
@@ -221,7 +246,7 @@ mod tests {
             let viewer = Vec3::new(0.3, 1.0, 0.2).normalize();
             let like = RowPoint { point, viewer };
             asked += 1;
-            if let Some(other) = near(&tracer, &like, 0.3, stream.units(i, 0, 1)) {
+            if let Some(other) = near(&tracer, &like, 0.3, &|k| stream.units(i, k, 1)) {
                 assert!(is_open(&other.point), "{:?}", other.point);
                 found += 1;
             }

@@ -124,9 +124,12 @@ impl Rounds<'_> {
             for (row, around) in rows {
                 due += count * steep(around) / total;
                 for k in 0..due as u32 {
-                    let u = self.streams.more.units(u64::from(*row), k, round);
+                    let numbers = |t: u32| {
+                        let part = self.streams.more.part(t);
+                        part.units(u64::from(*row), k, round)
+                    };
                     let like = &points[*row as usize];
-                    more.extend(near(self.tracer.tracer, like, around.radius, u));
+                    more.extend(near(self.tracer.tracer, like, around.radius, &numbers));
                 }
                 due = due.fract();
             }

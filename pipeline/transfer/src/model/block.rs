@@ -9,7 +9,7 @@ use super::part::PartFit;
 use crate::query::{INPUTS, TransferQuery};
 use glam::Vec3;
 use multiversion::multiversion;
-use rrf_field::tanh;
+use rrf_field::rational_tanh;
 
 /// Points that are answered at a time.
 pub(crate) const LANES: usize = 16;
@@ -105,7 +105,7 @@ fn of_net(
             }
         }
         for z in &mut z {
-            *z = tanh::<false>(*z);
+            *z = rational_tanh::<false>(*z);
         }
         for (own, w) in own.iter_mut().zip(w.to_array()) {
             for i in 0..LANES {
