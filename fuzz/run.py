@@ -69,7 +69,7 @@ def build(targets):
     words = ["cargo", "+nightly", "build", "--release", "--target", TRIPLE]
     words += [word for target in targets for word in ("--bin", target)]
     if set(targets) <= set(SCENES):
-        words.append("--no-default-features")
+        words += ["--no-default-features", "--features", "no-tables"]
     subprocess.run(words, cwd=HERE, env=environment, check=True)
 
 

@@ -5,13 +5,13 @@
 //! findings, so the hook that libFuzzer's crate aborts from is taken out; a panic that leaves a
 //! reader still ends the process.
 
-#[cfg(feature = "tables")]
+#[cfg(not(feature = "no-tables"))]
 mod tables;
 
 use rrf_scene::LoadOptions;
 use std::path::{Path, PathBuf};
 use std::sync::{Once, OnceLock};
-#[cfg(feature = "tables")]
+#[cfg(not(feature = "no-tables"))]
 pub use tables::{arrow, parquet, small};
 
 /// A pbrt scene.
@@ -69,7 +69,7 @@ fn folder() -> &'static Path {
         };
         let folder = base.join(format!("rrf-fuzz-{}", std::process::id()));
         std::fs::create_dir_all(folder.join("scene")).expect("a scratch folder");
-        #[cfg(feature = "tables")]
+        #[cfg(not(feature = "no-tables"))]
         tables::make_folders(&folder);
         folder
     })

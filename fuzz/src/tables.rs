@@ -1,6 +1,6 @@
 //! Tables and the small files of a run.
 
-use crate::{folder, scene, write};
+use super::{folder, scene, write};
 use rrf_bake::Run;
 use rrf_store::Limits;
 use rrf_store::layout::{

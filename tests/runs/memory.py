@@ -21,7 +21,7 @@ from pathlib import Path
 import runs
 
 ROW = 112
-ALLOWED = 1.3
+ALLOWED = 1.1
 
 
 def main():

@@ -57,7 +57,7 @@ def below(folder):
 
 
 def the_only(folder):
-    [run] = Path(folder).iterdir()
+    [run] = (path for path in Path(folder).iterdir() if path.suffix != ".lock")
     return run
 
 

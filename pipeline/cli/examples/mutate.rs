@@ -1,11 +1,11 @@
 //! Mutates whole files of `fuzz/seeds` and reads them, on a stock compiler: what can be had of
-//! fuzzing without coverage. The targets are those of `fuzz/`; see `fuzz/README.md`.
+//! fuzzing without coverage. The targets are those of `fuzz/`; see `fuzz/run.py`.
 //!
-//!     cargo run --release -p rrf-bake --example mutate -- parquet 60 1
+//!     cargo run --release -p rrf-cli --example mutate -- parquet 60 1
 //!
 //! Arguments: target, seconds of this thread's CPU, seed. A panic or a crash leaves the input
 //! where the reader found it and ends the process.
-#![allow(clippy::expect_used, clippy::panic, missing_docs)]
+#![allow(clippy::expect_used, clippy::panic, missing_docs, unexpected_cfgs)]
 
 #[path = "../../../fuzz/src/lib.rs"]
 mod readers;
@@ -49,6 +49,8 @@ fn reader(target: &str) -> Reader {
     match target {
         "pbrt" => readers::pbrt,
         "gltf" => readers::gltf,
+        "obj" => readers::obj,
+        "exr" => readers::exr,
         "parquet" => readers::parquet,
         "arrow" => readers::arrow,
         "small" => readers::small,
