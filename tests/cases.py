@@ -87,16 +87,11 @@ def empty_table(path, scratch):
 
 
 def white(path, scratch):
-    """A room that loses no energy: it ends, or is refused; nothing infinite is written."""
+    """A closed room that loses no energy is refused before anything starts."""
     run = scratch / path.parent.name
-    settings = "--rows 4000 --cells 2 --most-cells 2 --paths 8 --rounds 1 --time-limit 60".split()
-    wrong, out, errors = said("bake", path, "-o", run, *settings, codes=(0, 1, 2))
-    if "absorbs light" not in errors + out:
-        wrong = wrong or f"no warning: {errors}{out}"
-    if not wrong and (run / "model/weights.arrow").exists():
-        wrong, out, errors = said("verify", run)
-        if re.search(r"\b(inf|nan)\b", out, re.IGNORECASE):
-            wrong = f"verify: {out}"
+    wrong, out, errors = said("bake", path, "-o", run, "--rows", "4000", codes=(2,))
+    if not wrong and ("no surface absorbs light" not in errors or (run / "samples").exists()):
+        wrong = f"says {errors}"
     return wrong
 
 
