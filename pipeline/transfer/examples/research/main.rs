@@ -119,14 +119,14 @@ fn config(words: &[String]) -> TransferConfig {
     config.finer_patches = number("finer", 1.5) as f32;
     config.patch_error = number("patch-error", 0.1) as f32;
     config.rounds = number("rounds", 1.0) as u32;
-    config.target = number("target", 0.1) as f32;
+    config.target = number("target", 0.05) as f32;
     config.pool = number("pool", 16.0) as f32;
     config.least_rows = number("least", 64.0) as usize;
     config.cell_rows = number("cell-rows", 400.0) as usize;
     config.cell_rank = number("cell-rank", 16.0) as usize;
     config.patience = number("patience", 1.25) as f32;
     config.cell_error = number("cell-error", 0.01);
-    config.cluster_error = number("cluster-error", 0.03);
+    config.cluster_error = number("cluster-error", 0.01);
     config.nodes = number("nodes", 96.0) as usize;
     config.net.units = number("units", 16.0) as usize;
     config.net.ridge = number("ridge", 1e-4);
