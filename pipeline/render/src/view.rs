@@ -121,6 +121,9 @@ pub struct Lights {
     pub points: Vec<PointLight>,
     /// The scene's own area lights shine too.
     pub area: bool,
+    /// What each area light of the scene is multiplied with; none: all shine as in the scene. A model's
+    /// frame needs [`crate::AreaLights::dimmed`] with it.
+    pub dims: Vec<Vec3>,
     /// All other lights: spots, points with a profile, sky and sun.
     pub sources: Vec<OwnLight>,
 }

@@ -138,7 +138,8 @@ function question(width_height) {
     eye: camera.eye, right, up, forward,
     fov: camera.fov,
     size: width_height || size(),
-    lights: lights.map((l) => [...l.position, ...scale(l.colour, l.watts)]),
+    lights: (solo ? [] : lights).map((l) => [...l.position, ...scale(l.colour, l.watts)]),
+    ...ownQuestion(),
     mode, exposure,
   };
 }
@@ -198,6 +199,7 @@ function begin(hello) {
     return { position: l.slice(0, 3), colour: scale(l.slice(3), 1 / watts), watts };
   });
   $("fov").value = hello.fov;
+  beginOwn(hello);
   listLights();
   home();
 }
@@ -302,6 +304,12 @@ function lightsChanged() {
   ask();
 }
 
+// Lights that can be dragged: the page's own and the scene's that have a place and shine.
+function handles() {
+  const placed = own.filter((light) => light.position && shines(light));
+  return [...(solo ? [] : lights), ...placed];
+}
+
 // Handles of the lights over the picture, where it is shown.
 function drawHandles() {
   const [canvas, frame] = [$("handles"), $("frame")];
@@ -313,18 +321,24 @@ function drawHandles() {
   canvas.style.height = `${box.height}px`;
   const draw = canvas.getContext("2d");
   draw.scale(ratio, ratio);
-  lights.forEach((light, k) => {
+  handles().forEach((light) => {
     const [x, y, depth] = project(light.position, [box.width, box.height]);
     if (depth <= 0) return;
+    const k = lights.indexOf(light);
     draw.beginPath();
-    draw.arc(x, y, 7, 0, 2 * Math.PI);
+    if (k >= 0) draw.arc(x, y, 7, 0, 2 * Math.PI);
+    else draw.rect(x - 6, y - 6, 12, 12);
     draw.fillStyle = css(light.colour);
     draw.fill();
     draw.lineWidth = k === chosen ? 3 : 1.5;
     draw.strokeStyle = k === chosen ? "#f0a23a" : "#000a";
     draw.stroke();
     const outside = light.position.some((c, i) => c < start.light_box[0][i] || c > start.light_box[1][i]);
-    if (outside) {
+    if (k < 0) {
+      draw.fillStyle = "#fffc";
+      draw.font = "12px system-ui, sans-serif";
+      draw.fillText(light.name, x + 12, y + 4);
+    } else if (outside) {
       draw.fillStyle = "#f0a23a";
       draw.font = "bold 13px system-ui, sans-serif";
       draw.fillText("outside the baked box", x + 12, y + 4);
@@ -334,18 +348,17 @@ function drawHandles() {
 
 function lightAt(x, y) {
   const box = $("frame").getBoundingClientRect();
-  let best = -1;
+  let best = null;
   let nearest = 14;
-  lights.forEach((light, k) => {
+  handles().forEach((light) => {
     const [px, py, depth] = project(light.position, [box.width, box.height]);
     const distance = Math.hypot(px - x, py - y);
-    if (depth > 0 && distance < nearest) [best, nearest] = [k, distance];
+    if (depth > 0 && distance < nearest) [best, nearest] = [light, distance];
   });
   return best;
 }
 
-function dragLight(dx, dy, event) {
-  const light = lights[chosen];
+function dragLight(light, dx, dy, event) {
   const box = $("frame").getBoundingClientRect();
   const { right, up, forward } = axes();
   const depth = dot(sub(light.position, camera.eye), forward);
@@ -370,24 +383,24 @@ $("frame").addEventListener("pointerdown", (event) => {
   if (!camera) return;
   $("frame").focus();
   $("frame").setPointerCapture(event.pointerId);
-  const light = event.button === 0 ? lightAt(...within(event)) : -1;
-  const what = light >= 0 ? "light" : event.button === 2 ? "look" : event.button === 1 || event.ctrlKey ? "pan" : "orbit";
-  if (light >= 0) { chosen = light; listLights(); drawHandles(); }
-  drag = { what, x: event.clientX, y: event.clientY };
+  const light = event.button === 0 ? lightAt(...within(event)) : null;
+  const what = light ? "light" : event.button === 2 ? "look" : event.button === 1 || event.ctrlKey ? "pan" : "orbit";
+  if (lights.includes(light)) { chosen = lights.indexOf(light); listLights(); drawHandles(); }
+  drag = { what, light, x: event.clientX, y: event.clientY };
   $("frame").classList.add("busy");
   event.preventDefault();
 });
 
 $("frame").addEventListener("pointermove", (event) => {
   if (!drag) {
-    $("frame").classList.toggle("over", camera !== null && lightAt(...within(event)) >= 0);
+    $("frame").classList.toggle("over", camera !== null && lightAt(...within(event)) !== null);
     return;
   }
   const [dx, dy] = [event.clientX - drag.x, event.clientY - drag.y];
   if (!dx && !dy) return;
   [drag.x, drag.y] = [event.clientX, event.clientY];
   const box = $("frame").getBoundingClientRect();
-  if (drag.what === "light") dragLight(dx, dy, event);
+  if (drag.what === "light") dragLight(drag.light, dx, dy, event);
   else if (drag.what === "orbit") orbit(0.008 * dx, 0.008 * dy);
   else if (drag.what === "look") {
     const angle = pixelSide([box.width, box.height]);
@@ -459,7 +472,7 @@ const keys = {
 };
 
 addEventListener("keydown", (event) => {
-  const typing = event.target.matches("input[type=number], input[type=color], select");
+  const typing = event.target.matches("input[type=number], input[type=color], input[type=date], select");
   if (!camera || typing || event.ctrlKey || event.metaKey || event.altKey || $("help").open) return;
   const key = event.key.toLowerCase();
   if ("wasdqe".includes(key) || key === "shift") {
@@ -527,7 +540,8 @@ function tellCommand() {
     if (camera.mirror < 0) words.push("--mirror");
   }
   words.push(`--fov ${Number(camera.fov.toPrecision(6))} --size ${w}x${h}`);
-  for (const l of lights) words.push(`--light=${list([...l.position, ...scale(l.colour, l.watts)])}`);
+  for (const l of solo ? [] : lights) words.push(`--light=${list([...l.position, ...scale(l.colour, l.watts)])}`);
+  words.push(...ownWords(list));
   if (mode === "direct" || mode === "indirect") words.push(`--part ${mode}`);
   words.push(`--exposure=${shownExposure.toFixed(2)}`);
   $("command").textContent = words.join(" \\\n  ");
@@ -621,4 +635,3 @@ function tellMeasures(f) {
   $("measures").tBodies[0].replaceChildren(...rows);
 }
 
-connect();

@@ -1,14 +1,18 @@
 //! Questions of a page: a view, its lights, and the layer to show.
 
 use glam::Vec3;
+use rrf_lights::{DistantLight, sky_direction};
 use rrf_render::{Lights, View};
-use rrf_scene::PointLight;
+use rrf_scene::{OwnLight, PointLight};
 use serde::Deserialize;
 
 /// Most pixels a side of a live picture.
 pub const LARGEST_SIDE: u32 = 2048;
 /// Most lights of a live picture.
 pub const MOST_LIGHTS: usize = 64;
+
+/// Name of the suns that a page adds, reserved for them.
+const SUN: &str = "sun";
 
 /// Layer that a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -27,6 +31,22 @@ pub enum ShownLayer {
     Trust,
 }
 
+/// An own light that shines, and how it differs from the scene's.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnAsk {
+    /// Its name.
+    pub name: String,
+    /// What its channels are multiplied with.
+    pub dim: [f32; 3],
+    /// Where it stands instead.
+    #[serde(default)]
+    pub position: Option<[f32; 3]>,
+    /// Azimuth and elevation \[degrees\] of a sun instead.
+    #[serde(default)]
+    pub toward: Option<[f32; 2]>,
+}
+
 /// A question as it comes over the wire: positions in metres, world frame; `lights` are rows of
 /// position and radiant intensity [W/sr].
 #[derive(Clone, Debug, Deserialize)]
@@ -42,6 +62,12 @@ pub struct Ask {
     fov: f32,
     size: [u32; 2],
     lights: Vec<[f32; 6]>,
+    /// Azimuth, elevation \[degrees\] and irradiance [W/m²] of suns.
+    #[serde(default)]
+    suns: Vec<[f32; 5]>,
+    /// The scene's own lights that shine.
+    #[serde(default)]
+    pub own: Vec<OwnAsk>,
     /// The layer to show.
     #[serde(default)]
     pub mode: ShownLayer,
@@ -64,14 +90,19 @@ impl Ask {
                 "a live picture has at most {LARGEST_SIDE} pixels a side"
             ));
         }
-        if ask.lights.len() > MOST_LIGHTS {
+        if ask.lights.len().max(ask.suns.len()) > MOST_LIGHTS {
             return Err(format!("a live picture has at most {MOST_LIGHTS} lights"));
         }
         if ask.exposure.is_some_and(|ev| !ev.is_finite()) {
             return Err("the exposure is not finite".into());
         }
         ask.view().check().map_err(|e| e.to_string())?;
-        ask.lights().check().map_err(|e| e.to_string())?;
+        let typed = Lights {
+            points: ask.points().collect(),
+            sources: ask.suns().collect(),
+            ..Lights::default()
+        };
+        typed.check().map_err(|e| e.to_string())?;
         Ok(ask)
     }
 
@@ -88,17 +119,23 @@ impl Ask {
         }
     }
 
-    /// The lights.
-    pub fn lights(&self) -> Lights {
-        let light = |&[x, y, z, r, g, b]: &[f32; 6]| PointLight {
+    /// The point lights of the page itself.
+    pub fn points(&self) -> impl Iterator<Item = PointLight> + '_ {
+        self.lights.iter().map(|&[x, y, z, r, g, b]| PointLight {
             position: Vec3::new(x, y, z),
             intensity: Vec3::new(r, g, b),
-        };
-        Lights {
-            points: self.lights.iter().map(light).collect(),
-            area: false,
-            ..Lights::default()
-        }
+        })
+    }
+
+    /// The suns of the page itself.
+    pub fn suns(&self) -> impl Iterator<Item = OwnLight> + '_ {
+        self.suns.iter().map(|&[azimuth, elevation, r, g, b]| {
+            let toward = sky_direction(f64::from(azimuth), f64::from(elevation));
+            OwnLight {
+                name: SUN.into(),
+                source: DistantLight::sun(toward, Vec3::new(r, g, b)).into(),
+            }
+        })
     }
 }
 
@@ -113,7 +150,7 @@ mod tests {
     fn a_question_is_a_view_lights_and_a_mode() {
         let ask = Ask::parse(GOOD).unwrap();
         assert_eq!((ask.view().width, ask.view().height), (64, 48));
-        assert_eq!(ask.lights().points[0].position, Vec3::Y);
+        assert_eq!(ask.points().next().unwrap().position, Vec3::Y);
         assert_eq!(
             (ask.mode, ask.exposure, ask.pick),
             (ShownLayer::Cells, None, None)

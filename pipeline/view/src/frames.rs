@@ -1,12 +1,13 @@
 //! The socket of live frames: a question, a frame.
 
 use crate::ask::{Ask, ShownLayer};
+use crate::own::DimmedLamps;
 use crate::pixels;
 use crate::show::Show;
 use crate::socket::{Ended, Socket};
 use glam::Vec3;
 use rrf_metrics::tone::Exposure;
-use rrf_render::{Frame, FrameStage, Part, RenderError, RenderOptions, Renderer};
+use rrf_render::{Frame, FrameStage, Part, RenderOptions, Renderer};
 use rrf_trace::{Hits, Rays};
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -14,8 +15,8 @@ use std::time::Instant;
 /// Answers until the page goes.
 pub fn serve(show: &Show, socket: &mut Socket) -> Result<(), Ended> {
     socket.tell(&json!({ "hello": show.hello() }))?;
-    let renderer = show.renderer();
-    let mut frame = Frame::default();
+    let renderers = show.renderers();
+    let (mut frame, mut lamps) = (Frame::default(), DimmedLamps::default());
     loop {
         let ask = match Ask::parse(&socket.ask()?) {
             Ok(ask) => ask,
@@ -28,12 +29,12 @@ pub fn serve(show: &Show, socket: &mut Socket) -> Result<(), Ended> {
             socket.tell(&json!({ "id": ask.id, "picked": pick(show, &ask, at) }))?;
             continue;
         }
-        match answer(show, &renderer, &ask, &mut frame) {
+        match answer(show, &renderers, &ask, (&mut frame, &mut lamps)) {
             Ok((facts, bytes)) => {
                 socket.tell(&facts)?;
                 socket.send(bytes)?;
             }
-            Err(error) => socket.tell(&json!({ "id": ask.id, "error": error.to_string() }))?,
+            Err(error) => socket.tell(&json!({ "id": ask.id, "error": error }))?,
         }
     }
 }
@@ -41,12 +42,19 @@ pub fn serve(show: &Show, socket: &mut Socket) -> Result<(), Ended> {
 /// The frame asked for, as facts and as bytes.
 fn answer(
     show: &Show,
-    renderer: &Renderer,
+    [dark, lit]: &[Renderer; 2],
     ask: &Ask,
-    frame: &mut Frame,
-) -> Result<(Value, Vec<u8>), RenderError> {
+    (frame, lamps): (&mut Frame, &mut DimmedLamps),
+) -> Result<(Value, Vec<u8>), String> {
     let start = Instant::now();
-    let timings = renderer.render(&ask.view(), &ask.lights(), &options(show, ask.mode), frame)?;
+    let lights = show.own.lights(ask)?;
+    let options = RenderOptions {
+        area_lights: lamps.under(&show.own, &lights),
+        ..options(show, ask.mode)
+    };
+    let renderer = if lights.area { lit } else { dark };
+    let rendered = renderer.render(&ask.view(), &lights, &options, frame);
+    let timings = rendered.map_err(|error| error.to_string())?;
     let rendered = start.elapsed();
     let exposure = exposure(ask, frame);
     let bytes = pixels::shown(frame, ask.mode, exposure);
@@ -59,7 +67,7 @@ fn answer(
         "frame_ms": 1e3 * start.elapsed().as_secs_f64(),
         "thread_ms": thread_ms,
         "exposure": exposure.ev,
-        "warnings": show.warnings(ask),
+        "warnings": show.warnings(ask, &lights),
     });
     Ok((facts, bytes))
 }
@@ -92,7 +100,7 @@ fn pick(show: &Show, ask: &Ask, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
     }
     let (mut rays, mut hits) = (Rays::default(), Hits::default());
     rays.push(view.eye, direction, f32::INFINITY);
-    show.tracer().closest(&rays, &mut hits);
+    show.tracer(false).closest(&rays, &mut hits);
     let t = hits.t.first().filter(|t| t.is_finite())?;
     Some(Vec3::to_array(&(view.eye + *t * direction)))
 }

@@ -17,6 +17,7 @@ mod connections;
 mod error;
 mod frames;
 mod http;
+mod own;
 mod page;
 mod pixels;
 mod server;
@@ -25,5 +26,6 @@ mod socket;
 mod traced;
 
 pub use error::ViewError;
+pub use own::OwnLights;
 pub use server::{Server, Stopper};
 pub use show::{Show, ShownModel};

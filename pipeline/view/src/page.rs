@@ -3,7 +3,10 @@
 /// The document; `{{style}}`, `{{script}}` and `{{nonce}}` are put in.
 const DOCUMENT: &str = include_str!("../page/view.html");
 const STYLE: &str = include_str!("../page/view.css");
-const SCRIPT: &str = include_str!("../page/view.js");
+const SCRIPT: &str = concat!(
+    include_str!("../page/view.js"),
+    include_str!("../page/own.js")
+);
 
 /// The page for one visit; only elements with `nonce` may style or run.
 pub fn document(nonce: &str) -> String {

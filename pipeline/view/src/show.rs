@@ -1,8 +1,10 @@
 //! The baked scene that pages show, and the view that they start with.
 
 use crate::ask::Ask;
+use crate::own::{OwnLights, sun_rows};
 use rrf_field::Field;
-use rrf_render::{Renderer, Surroundings, Trusted, View};
+use rrf_lights::DistantLight;
+use rrf_render::{Lights, Renderer, Surroundings, Trusted, View};
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
 use rrf_transfer::LightBook;
@@ -29,30 +31,39 @@ pub struct Show<'a> {
     pub trusted: &'a Trusted<'a>,
     /// The view that a page starts with.
     pub view: View,
-    /// The lights that it starts with.
+    /// The lights that it starts with, beside the scene's own.
     pub lights: Vec<PointLight>,
+    /// The suns that it starts with.
+    pub suns: Vec<DistantLight>,
+    /// The scene's own lights.
+    pub own: OwnLights<'a>,
     /// The run folder, as the equivalent command names it.
     pub run: String,
 }
 
 impl<'a> Show<'a> {
-    /// The scene's tracer.
-    pub fn tracer(&self) -> &'a Tracer<'a> {
-        self.surroundings.tracer
+    /// The tracer of the scene with its lamps, where they shine, or without.
+    pub fn tracer(&self, lamps: bool) -> &'a Tracer<'a> {
+        match lamps {
+            true => self.own.tracer,
+            false => self.surroundings.tracer,
+        }
     }
 
-    /// A renderer for one viewer.
-    pub fn renderer(&self) -> Renderer<'a> {
-        let renderer = match self.model {
-            ShownModel::Nets(field) => Renderer::new(self.tracer(), field),
-            ShownModel::Transfer(book) => Renderer::of_transfer(self.tracer(), book),
-        };
-        renderer.tracing_narrow(self.traces_narrow)
+    /// Renderers for one viewer, without lamps and with them.
+    pub fn renderers(&self) -> [Renderer<'a>; 2] {
+        [false, true].map(|lamps| {
+            let renderer = match self.model {
+                ShownModel::Nets(field) => Renderer::new(self.tracer(lamps), field),
+                ShownModel::Transfer(book) => Renderer::of_transfer(self.tracer(lamps), book),
+            };
+            renderer.tracing_narrow(self.traces_narrow)
+        })
     }
 
     /// Facts that a page needs before its first question.
     pub fn hello(&self) -> Value {
-        let (view, scene) = (&self.view, self.tracer().scene());
+        let (view, scene) = (&self.view, self.surroundings.tracer.scene());
         let bounds = scene.bounds();
         let [low, high] = bounds.map_or([[0.0; 3], [1.0; 3]], |b| [b.min, b.max]);
         let light = |l: &PointLight| [l.position.to_array(), l.intensity.to_array()].concat();
@@ -65,6 +76,9 @@ impl<'a> Show<'a> {
             "fov": view.fov,
             "size": [view.width, view.height],
             "lights": self.lights.iter().map(light).collect::<Vec<_>>(),
+            "suns": sun_rows(&self.suns),
+            "own": self.own.rows(),
+            "own_on": self.own.on,
             "light_box": self.surroundings.light_box.map(|corner| corner.to_array()),
             "bounds": [low, high],
             "cells": match self.model {
@@ -76,12 +90,18 @@ impl<'a> Show<'a> {
     }
 
     /// Warnings about a view and its lights.
-    pub fn warnings(&self, ask: &Ask) -> Vec<String> {
-        let positions = ask.lights().points.into_iter().map(|light| light.position);
+    pub fn warnings(&self, ask: &Ask, lights: &Lights) -> Vec<String> {
+        let positions = lights.points.iter().map(|light| light.position);
         let warnings = self.surroundings.warnings(ask.view().eye, positions);
-        warnings
-            .into_iter()
-            .map(|warning| warning.message)
-            .collect()
+        let mut told: Vec<String> = warnings.into_iter().map(|w| w.message).collect();
+        if !(self.own.known || lights.sources.is_empty()) {
+            let mut names: Vec<&str> = lights.sources.iter().map(|l| l.name.as_str()).collect();
+            names.dedup();
+            told.push(format!(
+                "{}: these nets know point lights, so that the indirect light of others is missing",
+                names.join(", ")
+            ));
+        }
+        told
     }
 }

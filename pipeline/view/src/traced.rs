@@ -2,13 +2,14 @@
 
 use crate::ask::Ask;
 use crate::frames::{exposure, options};
+use crate::own::DimmedLamps;
 use crate::pixels;
 use crate::show::Show;
 use crate::socket::{Ended, Socket};
 use glam::Vec3;
 use rayon::ThreadPool;
 use rrf_metrics::{MetricsError, Picture, compare};
-use rrf_render::{Frame, Part, PathOptions, RenderError, trace_frame};
+use rrf_render::{Frame, Lights, Part, PathOptions, RenderError, RenderOptions, trace_frame};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -31,6 +32,7 @@ enum Question {
 /// A view's picture by the nets, and the sum of its traced passes.
 struct Work {
     ask: Ask,
+    lights: Lights,
     nets: Frame,
     sum: Vec<Vec3>,
     /// Sum of the squared relative noise of the passes.
@@ -71,18 +73,20 @@ pub fn serve(show: &Show, pool: &ThreadPool, socket: &mut Socket) -> Result<(), 
 fn begin(show: &Show, ask: &str) -> Result<Work, String> {
     let ask = Ask::parse(ask)?;
     let mut nets = Frame::default();
-    let renderer = show.renderer();
+    let ([dark, lit], lights) = (show.renderers(), show.own.lights(&ask)?);
+    let renderer = if lights.area { lit } else { dark };
+    let mut lamps = DimmedLamps::default();
+    let options = RenderOptions {
+        area_lights: lamps.under(&show.own, &lights),
+        ..options(show, ask.mode)
+    };
     renderer
-        .render(
-            &ask.view(),
-            &ask.lights(),
-            &options(show, ask.mode),
-            &mut nets,
-        )
+        .render(&ask.view(), &lights, &options, &mut nets)
         .map_err(|e| e.to_string())?;
     Ok(Work {
         sum: vec![Vec3::ZERO; nets.full.len()],
         ask,
+        lights,
         nets,
         noise: 0.0,
         passes: 0,
@@ -93,13 +97,13 @@ fn begin(show: &Show, ask: &str) -> Result<Work, String> {
 impl Work {
     fn pass(&mut self, show: &Show) -> Result<(), RenderError> {
         let start = Instant::now();
-        let (view, lights) = (self.ask.view(), self.ask.lights());
+        let (view, lights) = (self.ask.view(), &self.lights);
         let paths = PathOptions {
             spp: PASS,
             aa: 1,
             seed: SEED + u64::from(self.passes),
         };
-        let frame = trace_frame(show.tracer(), &view, &lights, paths, &|_| {})?;
+        let frame = trace_frame(show.tracer(lights.area), &view, lights, paths, &|_| {})?;
         let part = match options(show, self.ask.mode).part {
             Part::Full => Some(&frame.full),
             Part::Direct => frame.direct.as_ref(),

@@ -164,7 +164,7 @@ impl CameraArgs {
     }
 
     /// Whether the scene's own lights shine.
-    fn shows_own_lights(&self) -> bool {
+    pub fn shows_own_lights(&self) -> bool {
         let typed = !self.light.is_empty() || !self.sun.is_empty();
         self.own_lights == OwnLights::All && (!typed || self.scene_lights)
     }
@@ -207,6 +207,7 @@ impl CameraArgs {
         Ok(Lights {
             points: scene.points().filter(|_| own).chain(self.typed()).collect(),
             area: own,
+            dims: Vec::new(),
             sources: others.cloned().chain(self.suns()).collect(),
         })
     }
@@ -221,12 +222,17 @@ impl CameraArgs {
 
     /// The suns typed.
     pub fn suns(&self) -> impl Iterator<Item = OwnLight> + '_ {
+        self.typed_suns().map(|sun| OwnLight {
+            name: SUN.into(),
+            source: sun.into(),
+        })
+    }
+
+    /// The suns typed, without their name.
+    pub fn typed_suns(&self) -> impl Iterator<Item = DistantLight> + '_ {
         self.sun.iter().map(|&[azimuth, elevation, r, g, b]| {
             let toward = sky_direction(f64::from(azimuth), f64::from(elevation));
-            OwnLight {
-                name: SUN.into(),
-                source: DistantLight::sun(toward, Vec3::new(r, g, b)).into(),
-            }
+            DistantLight::sun(toward, Vec3::new(r, g, b))
         })
     }
 }

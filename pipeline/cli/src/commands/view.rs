@@ -10,7 +10,7 @@ use rrf_metrics::tone::Exposure;
 use rrf_render::{Frame, Lights, Renderer, Surroundings, View};
 use rrf_scene::PointLight;
 use rrf_trace::Tracer;
-use rrf_view::{Server, Show, ShownModel};
+use rrf_view::{OwnLights, Server, Show, ShownModel};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use std::path::PathBuf;
@@ -36,21 +36,32 @@ pub struct ViewPageArgs {
 
 /// Serves the page until a signal ends it.
 pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
-    let baked = Baked::open(&args.run, args.trust.trust_error)?;
+    let mut baked = Baked::open(&args.run, args.trust.trust_error)?;
+    baked.scene = args.camera.relit(&baked.scene)?.into_owned();
     let server = Server::bind(args.port)?;
     let stopper = server.stopper();
     // a pass of paths at the page's full size takes minutes
     let halt = || stopper.is_stopped();
     let tracer = Tracer::new(&baked.unlit)?.until(&halt);
+    let lit = Tracer::new(&baked.scene)?.until(&halt);
     let ready = baked.ready(&tracer)?;
     let mut start = args.camera.view(&baked.scene)?;
     if args.camera.size.is_none() {
         fit(&mut start);
     }
     let visibility = VisibilityQueries::new(&baked.unlit, &tracer);
-    let asked = args.camera.scene_lights || !args.camera.light.is_empty();
-    let lights = match asked {
-        true => args.camera.lights(&baked.scene)?.points,
+    let known = matches!(ready, ReadyModel::Transfer(_));
+    // nets know points: lamps, sky and sun shine from the start only if asked for
+    let on = args.camera.shows_own_lights()
+        && baked.scene.has_own_lights()
+        && (known || args.camera.scene_lights);
+    let lamps = baked.area_lights(&Lights {
+        area: true,
+        ..Lights::default()
+    })?;
+    let typed = !(args.camera.light.is_empty() && args.camera.sun.is_empty());
+    let lights = match typed || on {
+        true => args.camera.typed().collect(),
         false => vec![first_light(&baked, &ready.renderer(&tracer), &start)?],
     };
     let show = Show {
@@ -68,6 +79,13 @@ pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
         trusted: &|rows| baked.trusted(rows),
         view: start,
         lights,
+        suns: args.camera.typed_suns().collect(),
+        own: OwnLights {
+            tracer: &lit,
+            lamps: &lamps.unwrap_or_default(),
+            on,
+            known,
+        },
         run: args.run.display().to_string(),
     };
     ignore_broken_pipes();

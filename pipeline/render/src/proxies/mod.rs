@@ -57,6 +57,8 @@ pub struct AreaLights {
     pub(crate) pieces: Vec<Emitter>,
     /// Points for indirect light, lamp by lamp.
     pub proxies: Vec<LightProxy>,
+    /// The scene with its lamps dimmed, if they are.
+    pub(crate) scene: Option<Box<Scene>>,
 }
 
 impl AreaLights {
@@ -84,6 +86,7 @@ impl AreaLights {
         Ok(AreaLights {
             proxies,
             pieces: emitter::cut_all(emitters.into_iter().flatten()),
+            scene: None,
         })
     }
 
@@ -93,7 +96,25 @@ impl AreaLights {
         AreaLights {
             proxies: Vec::new(),
             pieces: emitter::cut_all(emitters.into_iter().flatten()),
+            scene: None,
         }
+    }
+
+    /// The area lights of `scene`, of which these are all, each times its colour of `dims`.
+    pub fn dimmed(&self, scene: &Scene, dims: &[Vec3]) -> AreaLights {
+        let mut scene = scene.clone();
+        for (light, &dim) in scene.area_lights.iter_mut().zip(dims) {
+            light.radiance *= dim;
+        }
+        let mut lights = AreaLights::without_proxies(&scene);
+        lights.proxies = self.proxies.clone();
+        for (proxy, &dim) in lights.proxies.iter_mut().zip(dims) {
+            for point in &mut proxy.points {
+                point.intensity = (Vec3::from(point.intensity) * dim).to_array();
+            }
+        }
+        lights.scene = Some(Box::new(scene));
+        lights
     }
 
     /// The points of all lamps.

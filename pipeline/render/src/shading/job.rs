@@ -14,7 +14,7 @@ use rrf_lights::LightSource;
 use rrf_metrics::color::luminance;
 use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, PointLight};
-use rrf_trace::Tracer;
+use rrf_trace::{SurfacePoint, Tracer};
 
 /// Columns that a thread works with, tile after tile.
 #[derive(Default)]
@@ -41,6 +41,8 @@ pub(super) struct Job<'f> {
     pub(super) sampled: SampledLights<'f>,
     /// Whether surfaces may shine themselves.
     pub(super) emission: bool,
+    /// What each lamp's emission is multiplied with, if anything.
+    pub(super) dims: &'f [Vec3],
     /// What is followed along the ray.
     pub(super) following: Following,
     /// The model under the lights.
@@ -99,13 +101,24 @@ impl Job<'_> {
         let seen = &work.seen;
         if self.emission {
             let shining = seen.points.iter().zip(&seen.viewers);
-            let emitted = shining.map(|(point, &v)| self.tracer.emission(point, v));
+            let emitted = shining.map(|(point, &v)| self.emitted(point, v));
             self.add(band.direct, seen, emitted);
         }
         for &(pixel, direction) in &seen.missed {
             let from_afar: Vec3 = self.sampled.far.iter().map(|s| s.radiance(direction)).sum();
             band.direct[pixel as usize] += self.weight * from_afar;
         }
+    }
+
+    /// Radiance that a lamp emits at a point toward `v`.
+    fn emitted(&self, point: &SurfacePoint, v: Vec3) -> Vec3 {
+        let lamp = self.tracer.scene().triangle_light[point.triangle as usize];
+        self.tracer.emission(point, v) * self.dim(lamp)
+    }
+
+    /// What a lamp is multiplied with.
+    fn dim(&self, lamp: u32) -> Vec3 {
+        self.dims.get(lamp as usize).copied().unwrap_or(Vec3::ONE)
     }
 
     /// Chooses the part of each row that sends rays on.
@@ -294,9 +307,10 @@ impl Job<'_> {
                 continue;
             }
             let point = self.tracer.point(triangle, at);
-            let radiance = self.tracer.scene().area_lights[light as usize].radiance;
+            let radiance =
+                self.tracer.scene().area_lights[light as usize].radiance * self.dim(light);
             let weight = carried.lamp_weight(luminance(radiance));
-            let emitted = self.tracer.emission(&point, -direction);
+            let emitted = self.emitted(&point, -direction);
             layer[pixel] += self.weight * weight * carried.throughput * emitted;
         }
     }

@@ -139,7 +139,9 @@ impl<'a> Renderer<'a> {
         let pieces = area_lights.iter().flat_map(|area| &area.pieces).copied();
         let start = Instant::now();
         let proxies = area_lights.iter().flat_map(|area| area.points());
-        let lit = self.baked.under(lights, proxies, self.tracer.scene())?;
+        let dimmed = area_lights.and_then(|area| area.scene.as_deref());
+        let lamps = dimmed.unwrap_or(self.tracer.scene());
+        let lit = self.baked.under(lights, proxies, lamps)?;
         let coefficients = match lit {
             Lit::Nets(_) => Duration::ZERO,
             Lit::Transfer(_) => start.elapsed() * rayon::current_num_threads() as u32,
@@ -166,6 +168,7 @@ impl<'a> Renderer<'a> {
             sharp,
             sampled,
             emission: area_lights.is_some(),
+            dims: &lights.dims,
             following,
             lit,
             options,

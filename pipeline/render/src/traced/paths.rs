@@ -65,7 +65,12 @@ impl<'a> Paths<'a> {
         let sources = || lights.sources.iter().map(|light| &light.source);
         let (visible, sharp): (Vec<_>, Vec<_>) = sources().partition(|s| s.is_visible());
         let dark = vec![Vec3::ZERO; tracer.scene().area_lights.len()];
-        let dims = (!lights.area).then_some(dark.as_slice());
+        let dimmed = (!lights.dims.is_empty()).then_some(lights.dims.as_slice());
+        let dims = if lights.area {
+            dimmed
+        } else {
+            Some(dark.as_slice())
+        };
         let as_sources = points.iter().map(|&light| LightSource::from(light));
         let few = points.len() <= MOST_ALONE;
         let together = as_sources.clone().filter(|_| !few);

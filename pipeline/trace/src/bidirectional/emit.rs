@@ -1,12 +1,13 @@
 //! The lights' end of a path: its point or direction, what it sends, and how dense that is.
 
+use super::beams::{Beams, density_of, is_sky};
 use super::openings::Openings;
 use crate::tracer::Tracer;
 use crate::wave::{Part, Row, Source};
 use glam::Vec3;
 use rrf_lights::{DistantLight, EmittingPoint, LightSource, about, uniform_sphere};
 use rrf_materials::cosine_hemisphere;
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 
 /// Lights that are chosen among each other. A path asks each group on its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,17 +57,12 @@ pub(super) struct Lights<'a> {
     /// The row's own point or sun.
     place: Vec3,
     own_sun: LightSource,
-    /// A sphere about the scene, that light from afar comes in through.
-    center: Vec3,
-    radius: f32,
-    /// Where it was seen to come in.
-    openings: Option<&'a Openings>,
+    /// How light from afar comes in.
+    beams: Beams<'a>,
 }
 
 /// Share of the directions to a sky that go through its openings.
 const GUIDED: f32 = 0.5;
-/// Share of the light subpaths from afar that begin there.
-const GUIDED_BEAMS: f32 = 0.9;
 
 impl<'a> Lights<'a> {
     pub(super) fn new(part: &Part<'a>, row: &Row, openings: Option<&'a Openings>) -> Lights<'a> {
@@ -76,9 +72,11 @@ impl<'a> Lights<'a> {
             source: part.source,
             place: row.light,
             own_sun: DistantLight::sun(row.light, Vec3::ONE).into(),
-            center: 0.5 * (bounds[0] + bounds[1]),
-            radius: 0.5 * (bounds[1] - bounds[0]).length() * (1.0 + 1e-5),
-            openings,
+            beams: Beams {
+                center: 0.5 * (bounds[0] + bounds[1]),
+                radius: 0.5 * (bounds[1] - bounds[0]).length() * (1.0 + 1e-5),
+                openings,
+            },
         }
     }
 
@@ -145,21 +143,27 @@ impl<'a> Lights<'a> {
             }
             Group::Far => {
                 let (index, source, within) = self.far(u[0])?;
-                let u = [within, u[1], u[2]];
-                let guide = self.openings.filter(|_| is_sky(source));
-                let toward = match (guide, at) {
-                    (Some(openings), Some(at)) if u[0] < GUIDED => {
-                        let through = openings.sample(None, [u[0] / GUIDED, u[1], u[2]])?;
-                        (through - at).try_normalize()?
-                    }
-                    _ => {
-                        source
-                            .sample(at.unwrap_or(self.center), [u[1], u[2]])?
-                            .toward
-                    }
+                let toward = match at {
+                    Some(at) => self.toward(source, at, [within, u[1], u[2]])?,
+                    None => self.beams.toward(source, [within, u[1], u[2]])?,
                 };
                 Some(self.from_afar(index, toward))
             }
+        }
+    }
+
+    /// A direction to a light from afar for light that is to arrive at `at`.
+    fn toward(&self, source: &LightSource, at: Vec3, u: [f32; 3]) -> Option<Vec3> {
+        let guided = self
+            .beams
+            .openings
+            .filter(|_| is_sky(source) && u[0] < GUIDED);
+        match guided {
+            Some(openings) => {
+                let through = openings.sample([u[0] / GUIDED, u[1], u[2]])?;
+                (through - at).try_normalize()
+            }
+            None => Some(source.sample(at, [u[1], u[2]])?.toward),
         }
     }
 
@@ -189,7 +193,7 @@ impl<'a> Lights<'a> {
     pub(super) fn from_afar(&self, index: u32, toward: Vec3) -> End {
         let mut end = End::at(Group::Far, index, toward);
         if let Some((source, probability)) = self.far_source(index) {
-            end.emit = probability * density_of(source, self.center, toward);
+            end.emit = probability * self.beams.direction_density(source, toward);
         }
         end
     }
@@ -203,7 +207,7 @@ impl<'a> Lights<'a> {
             return 0.0;
         };
         let own = density_of(source, at, end.at);
-        let guided = self.openings.filter(|_| is_sky(source));
+        let guided = self.beams.openings.filter(|_| is_sky(source));
         probability
             * guided.map_or(own, |openings| {
                 (1.0 - GUIDED) * own + GUIDED * openings.angle_density(at, end.at)
@@ -260,7 +264,7 @@ impl<'a> Lights<'a> {
                 Some(Sent {
                     toward: end.at,
                     irradiance: radiance,
-                    leave: self.beam_density(to, end.at),
+                    leave: self.beams.density(source, to, end.at),
                     area_per_angle: f32::from(u8::from(source.is_visible())),
                 })
             }
@@ -297,34 +301,10 @@ impl<'a> Lights<'a> {
                 Some((end.at + normal * end.lift, direction))
             }
             Group::Far => {
-                if let Some(openings) = self.letting_in(end.at) {
-                    if u[2] < GUIDED_BEAMS {
-                        let through =
-                            openings.sample(Some(end.at), [u[2] / GUIDED_BEAMS, u[0], u[1]]);
-                        return through.map(|at| (at, -end.at));
-                    }
-                }
-                let (x, y) = end.at.any_orthonormal_pair();
-                let (sine, cosine) = (2.0 * PI * u[1]).sin_cos();
-                let across = (x * cosine + y * sine) * (u[0].sqrt() * self.radius);
-                Some((self.center + end.at * self.radius + across, -end.at))
+                let (source, _) = self.far_source(end.source)?;
+                let from = self.beams.leave(source, end.at, u)?;
+                Some((from, -end.at))
             }
-        }
-    }
-
-    /// The openings, if light from `toward` was seen to come in.
-    fn letting_in(&self, toward: Vec3) -> Option<&'a Openings> {
-        self.openings.filter(|openings| openings.lets_in(toward))
-    }
-
-    /// Density with respect to area across it of light from `toward` that arrives at `at`.
-    fn beam_density(&self, at: Vec3, toward: Vec3) -> f32 {
-        let whole = 1.0 / (PI * self.radius * self.radius);
-        match self.letting_in(toward) {
-            Some(openings) => {
-                (1.0 - GUIDED_BEAMS) * whole + GUIDED_BEAMS * openings.beam_density(at, toward)
-            }
-            None => whole,
         }
     }
 
@@ -356,18 +336,5 @@ impl End {
             lift: 0.0,
             emit: 0.0,
         }
-    }
-}
-
-/// Whether light comes from all around, so that openings guide to it.
-fn is_sky(source: &LightSource) -> bool {
-    matches!(source, LightSource::Environment(_))
-}
-
-/// Density of a light's own sampler; 1 where it comes from one direction, which needs no choice.
-fn density_of(source: &LightSource, at: Vec3, toward: Vec3) -> f32 {
-    match source.is_visible() {
-        true => source.density(at, toward),
-        false => 1.0,
     }
 }

@@ -12,6 +12,7 @@
 //! Georgiev, Křivánek, Davidovič and Slusallek, *Light Transport Simulation with Vertex Connection and
 //! Merging*, 2012).
 
+mod beams;
 mod connect;
 mod emit;
 mod eye;

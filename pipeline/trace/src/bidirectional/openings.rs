@@ -23,74 +23,57 @@ pub(super) struct Openings {
 }
 
 impl Openings {
-    /// A point of the box that the weights choose, and its density with respect to area; for light from
-    /// `toward` on the faces that it comes in through, else on all.
-    pub(super) fn sample(&self, toward: Option<Vec3>, u: [f32; 3]) -> Option<Vec3> {
-        let face = match toward {
-            Some(toward) => by_weight(&self.facing(toward), u[0]),
-            None => by_weight(&self.all, u[0]),
-        };
+    /// A point of the box that the weights choose.
+    pub(super) fn sample(&self, u: [f32; 3]) -> Option<Vec3> {
+        self.point(by_weight(&self.all, u[0]), [u[1], u[2]])
+    }
+
+    /// A face by its weight, by a number in [0, 1).
+    pub(super) fn face(&self, u: f32) -> usize {
+        by_weight(&self.all, u)
+    }
+
+    /// Probability of [`Openings::face`] to choose a face.
+    pub(super) fn chance(&self, face: usize) -> f32 {
+        by_weight_probability(&self.all, face) as f32
+    }
+
+    /// A point of a face that the weights of its cells choose.
+    pub(super) fn point(&self, face: usize, u: [f32; 2]) -> Option<Vec3> {
         let cells = self.faces.get(face)?;
         if cells.last().is_none_or(|&total| total <= 0.0) {
             return None;
         }
-        // the number serves for the cell's row and the place in it
-        let cell = by_weight(cells, u[1]);
+        // the number serves for the cell and the place in it
+        let cell = by_weight(cells, u[0]);
         let chance = by_weight_probability(cells, cell) as f32;
-        let before = cell
-            .checked_sub(1)
-            .and_then(|c| cells.get(c))
-            .copied()
-            .unwrap_or(0.0);
+        let before = cell.checked_sub(1).and_then(|c| cells.get(c));
         let total = cells.last().copied().unwrap_or(1.0);
-        let within = (u[1] - (before / total) as f32) / chance.max(f32::MIN_POSITIVE);
+        let before = (before.copied().unwrap_or(0.0) / total) as f32;
+        let within = (u[0] - before) / chance.max(f32::MIN_POSITIVE);
         let axis = face / 2;
         let [a, b] = across(axis);
         let mut at = self.low;
         at[axis] += if face % 2 == 1 { self.size[axis] } else { 0.0 };
         at[a] += ((cell % SIDE) as f32 + within.clamp(0.0, 1.0)) / SIDE as f32 * self.size[a];
-        at[b] += ((cell / SIDE) as f32 + u[2]) / SIDE as f32 * self.size[b];
+        at[b] += ((cell / SIDE) as f32 + u[1]) / SIDE as f32 * self.size[b];
         Some(at)
     }
 
-    /// Cumulative weights of the faces that light from `toward` comes in through.
-    fn facing(&self, toward: Vec3) -> [f64; 6] {
-        let mut sum = 0.0;
-        std::array::from_fn(|face| {
-            if outward(face, toward) > 0.0 {
-                sum += self.faces[face].last().copied().unwrap_or(0.0);
-            }
-            sum
-        })
-    }
-
-    /// Density of [`Openings::sample`] of all faces with respect to angle from `at`.
+    /// Density of [`Openings::sample`] with respect to angle from `at`.
     pub(super) fn angle_density(&self, at: Vec3, toward: Vec3) -> f32 {
         let Some((face, cell, t)) = leaves(self.low, self.size, at, toward) else {
             return 0.0;
         };
-        let chance = by_weight_probability(&self.all, face) as f32;
         let cosine = outward(face, toward);
-        chance * self.area_density(face, cell) * t * t / cosine
+        self.chance(face) * self.area_density(face, cell) * t * t / cosine
     }
 
-    /// Density of [`Openings::sample`] for light from `toward` with respect to area across it, of light
-    /// that arrives at `at`.
-    pub(super) fn beam_density(&self, at: Vec3, toward: Vec3) -> f32 {
-        let Some((face, cell, _)) = leaves(self.low, self.size, at, toward) else {
-            return 0.0;
-        };
-        let facing = self.facing(toward);
-        if facing[5] <= 0.0 {
-            return 0.0;
-        }
-        let chance = by_weight_probability(&facing, face) as f32;
-        chance * self.area_density(face, cell) / outward(face, toward)
-    }
-
-    /// Whether light from `toward` comes in by a cell that was seen.
-    pub(super) fn lets_in(&self, toward: Vec3) -> bool {
-        self.facing(toward)[5] > 0.0
+    /// The face that light from `toward` comes in through on its way to `at`, and the density of
+    /// [`Openings::point`] there with respect to area across the light.
+    pub(super) fn beam_density(&self, at: Vec3, toward: Vec3) -> Option<(usize, f32)> {
+        let (face, cell, _) = leaves(self.low, self.size, at, toward)?;
+        Some((face, self.area_density(face, cell) / outward(face, toward)))
     }
 
     /// Density of a cell among those of its face, with respect to area.
@@ -177,7 +160,7 @@ fn across(axis: usize) -> [usize; 2] {
 }
 
 /// How much a direction goes out through a face.
-fn outward(face: usize, toward: Vec3) -> f32 {
+pub(super) fn outward(face: usize, toward: Vec3) -> f32 {
     let along = toward[face / 2];
     if face % 2 == 1 { along } else { -along }
 }
@@ -204,11 +187,11 @@ fn leaves(low: Vec3, size: Vec3, at: Vec3, toward: Vec3) -> Option<(usize, usize
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use rrf_sampling::Stream;
 
-    fn openings() -> Openings {
+    pub(in crate::bidirectional) fn openings() -> Openings {
         let mut seen = Seen {
             low: Vec3::new(-2.0, 0.0, -1.0),
             size: Vec3::new(4.0, 3.0, 2.0),
@@ -239,7 +222,7 @@ mod tests {
         let (mut sum, mut squares) = (0.0f64, 0.0f64);
         for i in 0..count {
             let [a, b, c, _] = stream.units(i, 0, 0);
-            let toward = (openings.sample(None, [a, b, c]).unwrap() - from).normalize();
+            let toward = (openings.sample([a, b, c]).unwrap() - from).normalize();
             if toward.dot(axis) > cosine {
                 let x = 1.0 / f64::from(openings.angle_density(from, toward));
                 sum += x;
@@ -254,36 +237,5 @@ mod tests {
             "{mean} ± {error}, {expected}"
         );
         assert!(error < 0.01 * expected);
-    }
-
-    /// Beams through sampled points: the mean of 1 / density over those that pass a disk across the
-    /// light is the disk's area.
-    #[test]
-    fn beams_have_their_density() {
-        let openings = openings();
-        let stream = Stream::new(5, rrf_sampling::Stage::Test, 0);
-        let toward = Vec3::new(-1.0, 0.3, 0.1).normalize();
-        let (middle, radius, count) = (Vec3::new(0.1, 0.9, 0.0), 0.05f32, 400_000u64);
-        let (mut sum, mut squares) = (0.0f64, 0.0f64);
-        for i in 0..count {
-            let [a, b, c, _] = stream.units(i, 0, 0);
-            let at = openings.sample(Some(toward), [a, b, c]).unwrap();
-            let apart = at - middle;
-            let passes = apart - toward * apart.dot(toward);
-            if passes.length() < radius {
-                let place = at - toward * apart.dot(toward);
-                let x = 1.0 / f64::from(openings.beam_density(place, toward));
-                sum += x;
-                squares += x * x;
-            }
-        }
-        let mean = sum / count as f64;
-        let error = ((squares / count as f64 - mean * mean) / count as f64).sqrt();
-        let expected = std::f64::consts::PI * f64::from(radius).powi(2);
-        assert!(
-            (mean - expected).abs() < 5.0 * error,
-            "{mean} ± {error}, {expected}"
-        );
-        assert!(error < 0.02 * expected);
     }
 }

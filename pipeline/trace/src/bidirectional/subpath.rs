@@ -10,6 +10,9 @@ use crate::walk::Ray;
 use glam::Vec3;
 use rrf_materials::{CERTAIN, INVALID};
 
+/// A light subpath goes on with probability KEEP times what a surface sends on of its light, at most 1.
+const KEEP: f32 = 8.0;
+
 impl Joined {
     /// Traces the rays that leave the lights, `self.rays` with path and end of each, and what goes
     /// on from there; fills `self.light_vertices`.
@@ -89,7 +92,7 @@ impl Joined {
             let sent = value * cosine / to.pdf;
             // by what the light loses here
             let arriving = at.geometric.dot(z.toward);
-            let survival = (sent.max_element() / arriving).min(1.0);
+            let survival = (KEEP * sent.max_element() / arriving).min(1.0);
             if u[3] >= survival {
                 continue;
             }
