@@ -143,6 +143,7 @@ fn main() {
         points: scene.points().collect(),
         area: true,
         sources: scene.lights.iter().filter(other).cloned().collect(),
+        ..Lights::default()
     };
     let point = PointLight {
         position: view.eye + 0.6 * view.forward,

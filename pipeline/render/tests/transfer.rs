@@ -96,6 +96,7 @@ fn lights(points: &[PointLight], sun: bool, area: bool) -> Lights {
         points: points.to_vec(),
         area,
         sources: sun.into_iter().collect(),
+        ..Lights::default()
     }
 }
 
