@@ -11,6 +11,7 @@ mod args;
 mod baked;
 mod clock;
 mod commands;
+pub mod embedded;
 mod failure;
 mod film;
 mod heartbeat;
@@ -29,6 +30,7 @@ mod transfer_rows;
 mod trust;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Bakes a static scene's indirect light into small neural nets; viewpoint and lights stay free.
@@ -43,15 +45,20 @@ struct Cli {
 
 /// Runs the command line and returns its exit code.
 pub fn main() -> ExitCode {
+    ExitCode::from(run_words(std::env::args_os()))
+}
+
+/// Runs the command line `words`, the program's name first; gives its exit code.
+fn run_words(words: impl IntoIterator<Item = OsString>) -> u8 {
     memory::start_within_limits();
     end_quietly_on_closed_pipe();
-    let parsed = Cli::from_arg_matches(&command().get_matches());
+    let parsed = Cli::from_arg_matches(&command().get_matches_from(words));
     let cli = parsed.unwrap_or_else(|error| error.exit());
     match run(&cli) {
         Ok(code) => code,
         Err(error) => {
             eprintln!("rrf: {}", failure::message(&error));
-            ExitCode::from(failure::exit_code(&error))
+            failure::exit_code(&error)
         }
     }
 }
@@ -61,7 +68,7 @@ fn command() -> clap::Command {
     commands::groups::grouped(Cli::command())
 }
 
-fn run(cli: &Cli) -> anyhow::Result<ExitCode> {
+fn run(cli: &Cli) -> anyhow::Result<u8> {
     if cli.command.bounds_memory() {
         memory::give_back();
     }

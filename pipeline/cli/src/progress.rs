@@ -36,13 +36,18 @@ impl Bars {
             flag::register_conditional_default(signal, interrupted.clone())?;
             flag::register(signal, interrupted.clone())?;
         }
+        Ok(Bars::stopped_by(interrupted, quiet, bounds))
+    }
+
+    /// No bar yet, and no signals: the bake stops where `interrupted` is set.
+    pub fn stopped_by(interrupted: Arc<AtomicBool>, quiet: bool, bounds: &Bounds) -> Bars {
         let limit = bounds.time_limit.map(Duration::try_from_secs_f32);
         // a limit beyond the clock's range is none
         let deadline = limit
             .and_then(Result::ok)
             .and_then(|d| Instant::now().checked_add(d));
         let lines = !quiet && !io::stderr().is_terminal();
-        Ok(Bars {
+        Bars {
             quiet,
             current: Mutex::new(ProgressBar::hidden()),
             deadline,
@@ -50,7 +55,7 @@ impl Bars {
             memory: bounds.memory,
             interrupted,
             place: None,
-        })
+        }
     }
 
     /// Keeps an address up to date with the run's folder, task for task.

@@ -15,43 +15,66 @@ use rrf_bake::{
 use rrf_extract::{Census, Region};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::time::Instant;
+
+/// Makes the observer of a bake, once the run has a folder.
+pub type Watching<'a> = &'a dyn Fn(RunLocation) -> anyhow::Result<Box<dyn Watch>>;
 
 /// Bakes a scene.
 pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
+    let watching = |location| {
+        let bars = Bars::new(quiet || args.json, &args.bounds)?;
+        Ok(Box::new(bars.keeping(location)) as Box<dyn Watch>)
+    };
     if args.settings.method == Method::Transfer {
-        return transfer::bake(args, quiet);
+        return transfer::bake(args, &watching);
     }
     let start = Instant::now();
+    let (ended, target) = nets(args, &watching)?;
+    let evaluation = &ended.evaluation;
+    if args.json {
+        println!("{:#}", told(args, &ended, target, start));
+    } else {
+        print_census(&ended.census);
+        print_evaluation(evaluation, target);
+        println!(
+            "{} rounds in {:.1} s, {}: {}",
+            ended.rounds,
+            start.elapsed().as_secs_f64(),
+            ended.stop.text(ended.rounds),
+            args.output.display()
+        );
+    }
+    let met = !args.require_target || evaluation.meets(target.into());
+    let error = (evaluation.error().0, target);
+    Ok(require_target(&args.output, error, met)?)
+}
+
+/// Bakes a scene; the result as JSON.
+pub fn baked(args: &BakeArgs, watching: Watching) -> anyhow::Result<Value> {
+    if args.settings.method == Method::Transfer {
+        return transfer::baked(args, watching);
+    }
+    let start = Instant::now();
+    let (ended, target) = nets(args, watching)?;
+    Ok(told(args, &ended, target, start))
+}
+
+/// Bakes nets that know the light; the outcome and the target.
+fn nets(args: &BakeArgs, watching: Watching) -> anyhow::Result<(BakeOutcome, f32)> {
     let scene = scene_file::load(&args.scene, &args.settings.scene)?;
     let config = config(&args.settings, &scene)?;
     let location = RunLocation::whole(&args.output)?;
     let folder = location.folder().to_path_buf();
-    let watch = Bars::new(quiet || args.json, &args.bounds)?.keeping(location);
-    let ended = rrf_bake::bake(&scene, &config, &folder, args.resume, &watch)?;
-    let evaluation = &ended.evaluation;
-    let met = !args.require_target || evaluation.meets(config.target.into());
-    let missed = || require_target(&args.output, (evaluation.error().0, config.target), met);
-    if args.json {
-        tell(args, &ended, config.target, start.elapsed().as_secs_f64());
-        return Ok(missed()?);
-    }
-    print_census(&ended.census);
-    print_evaluation(&ended.evaluation, config.target);
-    println!(
-        "{} rounds in {:.1} s, {}: {}",
-        ended.rounds,
-        start.elapsed().as_secs_f64(),
-        ended.stop.text(ended.rounds),
-        args.output.display()
-    );
-    Ok(missed()?)
+    let watch = watching(location)?;
+    let ended = rrf_bake::bake(&scene, &config, &folder, args.resume, &*watch)?;
+    Ok((ended, config.target))
 }
 
-fn tell(args: &BakeArgs, ended: &BakeOutcome, target: f32, seconds: f64) {
+fn told(args: &BakeArgs, ended: &BakeOutcome, target: f32, start: Instant) -> Value {
     let (error, se) = ended.evaluation.error();
-    let told = json!({
+    json!({
         "run": args.output.display().to_string(),
         "method": "nets",
         "target": target,
@@ -62,9 +85,8 @@ fn tell(args: &BakeArgs, ended: &BakeOutcome, target: f32, seconds: f64) {
         "relative_error_se": se,
         "cells": ended.evaluation.cells.len(),
         "processor_seconds": processor_time().as_secs_f64(),
-        "seconds": seconds,
-    });
-    println!("{told:#}");
+        "seconds": start.elapsed().as_secs_f64(),
+    })
 }
 
 /// Loads, plans and extracts.

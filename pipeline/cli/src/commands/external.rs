@@ -5,7 +5,7 @@ use crate::failure::BadInput;
 use anyhow::Context;
 use clap::Args;
 use std::ffi::OsString;
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 /// Arguments for the program `rrf-report`.
 #[derive(Args, Clone, Debug)]
@@ -18,7 +18,7 @@ pub struct ExternalArgs {
 
 /// Hands everything typed over, options before the command's name too; the exit code is the other
 /// program's.
-pub fn run(name: &str, args: &ExternalArgs, globals: &Globals) -> anyhow::Result<ExitCode> {
+pub fn run(name: &str, args: &ExternalArgs, globals: &Globals) -> anyhow::Result<u8> {
     let this = std::env::current_exe().context("this program's own path is not known")?;
     let program = this.with_file_name("rrf-report");
     if !program.exists() {
@@ -40,5 +40,5 @@ pub fn run(name: &str, args: &ExternalArgs, globals: &Globals) -> anyhow::Result
         .with_context(|| format!("{}: cannot be started", program.display()))?;
     // ended by a signal: as good as failed
     let code = status.code().and_then(|code| u8::try_from(code).ok());
-    Ok(ExitCode::from(code.unwrap_or(1)))
+    Ok(code.unwrap_or(1))
 }

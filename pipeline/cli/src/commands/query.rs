@@ -6,17 +6,17 @@ use crate::baked::{Baked, BakedNets, ReadyModel};
 use crate::failure::BadInput;
 use crate::transfer_rows::{self, RowAnswers};
 use crate::{narrow, points};
-use arrow::array::{ArrayRef, BooleanArray, Float32Array, UInt32Array};
+use arrow::array::{ArrayRef, BooleanArray, Float32Array, RecordBatch, UInt32Array};
 use clap::Args;
 use rrf_extract::{PointClass, VisibilityQueries};
 use rrf_field::columns::{self, Columns};
 use rrf_scene::Scene;
 use rrf_store::Limits;
-use rrf_store::points::{PointsTable, check_ending, read_points, write_points};
+use rrf_store::points::{PointsTable, check_ending, read_points, with_columns, write_batch};
 use rrf_store::schema::Table;
 use rrf_trace::{SurfacePoint, Tracer};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Compute the model's indirect radiance at the points of a table. What mirrors, glass and other narrow
@@ -40,33 +40,59 @@ pub struct QueryArgs {
     pub trust: TrustArgs,
 }
 
-/// Reads the table, evaluates the nets, writes the table with `r g b cell_id trusted` appended.
+/// Reads the table, evaluates the model, writes the table with `r g b cell_id trusted` appended.
 pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     check_ending(&args.output)?;
     let baked = Baked::open(&args.run, args.trust.trust_error)?;
+    let table = read_points(&args.points, Limits::default())?;
+    let Answered { batch, untrusted } = answer(&baked, &table, &args.points, args.blend)?;
+    write_batch(&args.output, Table::Answers, &batch)?;
+    println!(
+        "{} rows, {untrusted} of them not trusted: outside what the model was trained on, or in a cell with an \
+         error above {:.1} %",
+        table.len(),
+        100.0 * args.trust.trust_error
+    );
+    Ok(())
+}
+
+/// A table with the model's answers.
+pub struct Answered {
+    /// The table's rows with `r g b cell_id trusted` appended.
+    pub batch: RecordBatch,
+    /// Rows that are not trusted.
+    pub untrusted: usize,
+}
+
+/// The model at the rows of a table; `place` is what errors call it.
+pub fn answer(
+    baked: &Baked,
+    table: &PointsTable,
+    place: &Path,
+    blend: bool,
+) -> anyhow::Result<Answered> {
     let scene = &baked.unlit;
     let tracer = Tracer::new(scene)?;
-    let table = read_points(&args.points, Limits::default())?;
-    let located = points::locate(&tracer, &table, &args.points)?;
+    let located = points::locate(&tracer, table, place)?;
     let RowAnswers {
         mut radiance,
         cells,
         trusted,
     } = match baked.ready(&tracer)? {
         ReadyModel::Nets(nets) => {
-            let rows = points::rows(&tracer, &table, &located);
-            let mut answers = by_nets(args, &baked, nets, &rows)?;
+            let rows = points::rows(&tracer, table, &located);
+            let mut answers = by_nets(blend, baked, nets, &rows)?;
             if baked.traces_narrow() {
-                narrow::complete(&baked, nets, &tracer, (&table, &located), &mut answers)?;
+                narrow::complete(baked, nets, &tracer, (table, &located), &mut answers)?;
             }
             answers
         }
-        ReadyModel::Transfer(_) if args.blend => return Err(BadInput(NO_BLEND.into()).into()),
+        ReadyModel::Transfer(_) if blend => return Err(BadInput(NO_BLEND.into()).into()),
         ReadyModel::Transfer(book) => {
-            transfer_rows::answer(&book, &baked, &tracer, (&table, &located), &args.points)?
+            transfer_rows::answer(&book, baked, &tracer, (table, &located), place)?
         }
     };
-    darken_sealed(scene, &tracer, &located, &table, &mut radiance);
+    darken_sealed(scene, &tracer, &located, table, &mut radiance);
     let [r, g, b] = radiance.map(|channel| Arc::new(Float32Array::from(channel)) as ArrayRef);
     let untrusted = trusted.iter().filter(|&&t| !t).count();
     let added: BTreeMap<&str, ArrayRef> = BTreeMap::from([
@@ -78,32 +104,20 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     ]);
     let manifest = &baked.manifest;
     let facts = points::facts(&manifest.scene_hash, manifest.seed);
-    write_points(&args.output, &table.batch, Table::Answers, added, &facts)?;
-    let why = match baked.nets() {
-        Some(_) => "outside what the model was trained on",
-        None => {
-            "on a surface that no cell knows, outside what its cell was fitted to, under a light that the \
-             cells leave out more than a tenth of"
-        }
-    };
-    println!(
-        "{} rows, {untrusted} of them not trusted: {why}, or in a cell with an error above {:.1} %",
-        located.len(),
-        100.0 * args.trust.trust_error
-    );
-    Ok(())
+    let batch = with_columns(&table.batch, Table::Answers, added, &facts)?;
+    Ok(Answered { batch, untrusted })
 }
 
 /// Answers of nets, for points of 1 W/sr.
 fn by_nets(
-    args: &QueryArgs,
+    blend: bool,
     baked: &Baked,
     nets: &BakedNets,
     rows: &Columns,
 ) -> anyhow::Result<RowAnswers> {
     let mut radiance: [Vec<f32>; 3] = Default::default();
     let mut cells = Vec::new();
-    if args.blend {
+    if blend {
         (nets.borders).evaluate(&nets.field, rows, &mut radiance, &mut cells)?;
     } else {
         nets.field.evaluate(rows, &mut radiance, &mut cells)?;

@@ -20,6 +20,7 @@ use rrf_render::{
     Frame, PathOptions, RenderOptions, Renderer, ShadowRays, Surroundings, View, add_auxiliary,
     trace_untrusted,
 };
+use rrf_scene::Scene;
 use rrf_trace::Tracer;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -132,14 +133,28 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         Some(_) => return Err(BadInput("--path writes one folder; give -o once".into()).into()),
     }
     let mut baked = Baked::open(&args.run, args.trust.trust_error)?;
+    baked.scene = relit(args, &baked.scene)?;
+    match frame(args, &baked)? {
+        Some(frame) => pictures::write(frame, &args.view, &args.output),
+        None => Ok(()),
+    }
+}
+
+/// A run's scene with its lights and its sky as they are asked for.
+pub fn relit(args: &RenderArgs, scene: &Scene) -> anyhow::Result<Scene> {
+    let mut scene = scene.clone();
+    if let Some(sky) = args.sky.option() {
+        scene.replace_sky(&sky)?;
+    }
+    Ok(args.view.camera.relit(&scene)?.into_owned())
+}
+
+/// The frame of one view; none of a path, whose frames are written one by one.
+pub fn frame(args: &RenderArgs, baked: &Baked) -> anyhow::Result<Option<Frame>> {
     if args.blend && baked.nets().is_none() {
         return Err(BadInput(NO_BLEND.into()).into());
     }
-    if let Some(sky) = args.sky.option() {
-        baked.scene.replace_sky(&sky)?;
-    }
-    baked.scene = args.view.camera.relit(&baked.scene)?.into_owned();
-    let shots = shots(args, &baked)?;
+    let shots = shots(args, baked)?;
     crate::memory::check_frame(shots[0].view.width, shots[0].view.height)?;
     let lights = &shots[0].lights;
     let unlit = Tracer::new(&baked.unlit)?;
@@ -149,7 +164,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let whole = whole.transpose()?;
     let tracer = whole.as_ref().unwrap_or(&unlit);
     let area_lights = baked.area_lights(lights)?;
-    warn(args, &baked, tracer, &shots)?;
+    warn(args, baked, tracer, &shots)?;
     let mut film = match &args.path {
         Some(_) => Some(Film::new(
             &args.output[0],
@@ -196,7 +211,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         stats::write_report(target, &stats::report(&clock, &shots[0].view, lights))?;
     }
     if let Some(film) = film {
-        return film.finish();
+        film.finish()?;
+        return Ok(None);
     }
     if args.fallback == Fallback::Trace {
         let Shot { view, lights } = &shots[0];
@@ -211,7 +227,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.show_trust {
         show_trust(&mut frame);
     }
-    pictures::write(frame, &args.view, &args.output)
+    Ok(Some(frame))
 }
 
 /// The view and lights of each frame: the view typed, or the rows of a camera's path under their own lights,

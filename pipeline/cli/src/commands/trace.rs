@@ -4,7 +4,7 @@ use crate::args::ViewArgs;
 use crate::failure::BadInput;
 use crate::table_lights::{LitRows, TableLight, by_light};
 use crate::{memory, pictures, points, progress, reach, scene_file};
-use arrow::array::{ArrayRef, Float32Array};
+use arrow::array::{ArrayRef, Float32Array, RecordBatch};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use indicatif::ProgressBar;
@@ -12,7 +12,7 @@ use rrf_bake::settings::SceneOptions;
 use rrf_render::{PathOptions, add_auxiliary};
 use rrf_scene::Scene;
 use rrf_store::Limits;
-use rrf_store::points::{PointsTable, check_ending, read_points, write_points};
+use rrf_store::points::{PointsTable, check_ending, read_points, with_columns, write_batch};
 use rrf_store::schema::Table;
 use rrf_trace::{Sampling, Tracer};
 use std::borrow::Cow;
@@ -114,6 +114,26 @@ fn trace_points(args: &TraceArgs, scene: &Scene, input: &Path, quiet: bool) -> a
         return Err(BadInput("--points writes one table; give -o once".into()).into());
     };
     check_ending(output)?;
+    let table = read_points(input, Limits::default())?;
+    let batch = truth(args, scene, &table, input, quiet)?;
+    write_batch(output, Table::Truth, &batch)?;
+    println!(
+        "{} rows, {} paths each: {}",
+        table.len(),
+        args.spp,
+        output.display()
+    );
+    Ok(())
+}
+
+/// A table's rows with `r g b r_se g_se b_se` appended; `input` is what errors call it.
+pub fn truth(
+    args: &TraceArgs,
+    scene: &Scene,
+    table: &PointsTable,
+    input: &Path,
+    quiet: bool,
+) -> anyhow::Result<RecordBatch> {
     if !args.spp.is_multiple_of(REPLICATES) || args.spp == 0 {
         return Err(BadInput(format!(
             "--spp {}: with --points a multiple of {REPLICATES} is needed: the standard error \
@@ -122,8 +142,7 @@ fn trace_points(args: &TraceArgs, scene: &Scene, input: &Path, quiet: bool) -> a
         ))
         .into());
     }
-    let table = read_points(input, Limits::default())?;
-    let groups = by_light(&table, scene, input)?;
+    let groups = by_light(table, scene, input)?;
     let (own, other): (Vec<LitRows>, Vec<LitRows>) = groups.into_iter().partition(LitRows::is_own);
     let mut answers = Answers {
         mean: vec![Vec3::ZERO; table.len()],
@@ -132,10 +151,10 @@ fn trace_points(args: &TraceArgs, scene: &Scene, input: &Path, quiet: bool) -> a
     };
     if !other.is_empty() {
         let unlit = scene.unlit();
-        answers.trace(args, &Tracer::new(&unlit)?, (&table, input), &other)?;
+        answers.trace(args, &Tracer::new(&unlit)?, (table, input), &other)?;
     }
     if !own.is_empty() {
-        answers.trace(args, &Tracer::new(scene)?, (&table, input), &own)?;
+        answers.trace(args, &Tracer::new(scene)?, (table, input), &own)?;
     }
     answers.bar.finish_and_clear();
     let Answers { mean, error, .. } = answers;
@@ -148,14 +167,7 @@ fn trace_points(args: &TraceArgs, scene: &Scene, input: &Path, quiet: bool) -> a
         ("b_se", channel(&error, 2)),
     ]);
     let facts = points::facts(&scene.hash_hex(), args.seed);
-    write_points(output, &table.batch, Table::Truth, added, &facts)?;
-    println!(
-        "{} rows, {} paths each: {}",
-        table.len(),
-        args.spp,
-        output.display()
-    );
-    Ok(())
+    Ok(with_columns(&table.batch, Table::Truth, added, &facts)?)
 }
 
 /// Radiance of a table's rows, and its standard error.

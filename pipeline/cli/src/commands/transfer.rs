@@ -1,14 +1,14 @@
 //! `rrf bake --method transfer`.
 
+use super::bake::Watching;
 use crate::args::BakeArgs;
 use crate::failure::{BadInput, require_target};
-use crate::progress::Bars;
 use crate::run_location::RunLocation;
 use crate::scene_file;
 use crate::stats::processor_time;
 use rrf_bake::{TransferOutcome, TransferSummary};
 use rrf_store::model::{TRANSFER_TABLES, model_table_path};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
 
@@ -19,8 +19,29 @@ struct Cost {
     bytes: u64,
 }
 
-/// Bakes a scene's transfer.
-pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
+/// Bakes a scene's transfer and prints how it went.
+pub fn bake(args: &BakeArgs, watching: Watching) -> anyhow::Result<()> {
+    let (outcome, cost, target) = work(args, watching)?;
+    match args.json {
+        true => println!("{:#}", told(args, &outcome, &cost, target)),
+        false => print(args, &outcome, &cost, target),
+    }
+    let error = outcome.summary.relative_error;
+    let met = !args.require_target || meets(&outcome, target);
+    Ok(require_target(&args.output, (error, target), met)?)
+}
+
+/// Bakes a scene's transfer; the result as JSON.
+pub fn baked(args: &BakeArgs, watching: Watching) -> anyhow::Result<Value> {
+    let (outcome, cost, target) = work(args, watching)?;
+    Ok(told(args, &outcome, &cost, target))
+}
+
+fn meets(outcome: &TransferOutcome, target: f32) -> bool {
+    outcome.summary.relative_error <= f64::from(target)
+}
+
+fn work(args: &BakeArgs, watching: Watching) -> anyhow::Result<(TransferOutcome, Cost, f32)> {
     let start = Instant::now();
     let scene = scene_file::load(&args.scene, &args.settings.scene)?;
     let config = args.settings.transfer_config(&scene)?;
@@ -31,20 +52,14 @@ pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
     }
     let location = RunLocation::whole(&args.output)?;
     let folder = location.folder().to_path_buf();
-    let watch = Bars::new(quiet, &args.bounds)?.keeping(location);
-    let outcome = rrf_bake::bake_scene_transfer(&scene, &config, &folder, args.resume, &watch)?;
+    let watch = watching(location)?;
+    let outcome = rrf_bake::bake_scene_transfer(&scene, &config, &folder, args.resume, &*watch)?;
     let cost = Cost {
         seconds: start.elapsed().as_secs_f64(),
         processor: processor_time().as_secs_f64(),
         bytes: bytes(&folder)?,
     };
-    match args.json {
-        true => tell(args, &outcome, &cost, config.target),
-        false => print(args, &outcome, &cost, config.target),
-    }
-    let error = outcome.summary.relative_error;
-    let met = !args.require_target || error <= f64::from(config.target);
-    Ok(require_target(&args.output, (error, config.target), met)?)
+    Ok((outcome, cost, config.target))
 }
 
 /// Bytes of the model's tables.
@@ -56,18 +71,18 @@ fn bytes(folder: &Path) -> anyhow::Result<u64> {
     Ok(sum)
 }
 
-fn tell(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) {
-    let told = json!({
+fn told(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) -> Value {
+    json!({
         "run": args.output.display().to_string(),
         "method": "transfer",
         "target": target,
+        "target_met": meets(outcome, target),
         "was_finished": outcome.was_finished,
         "model": outcome.summary,
         "model_bytes": cost.bytes,
         "processor_seconds": cost.processor,
         "seconds": cost.seconds,
-    });
-    println!("{told:#}");
+    })
 }
 
 fn print(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) {

@@ -66,7 +66,18 @@ enum Format {
 /// normal must be on the side that is seen), a sun without a direction; [`StoreError::Schema`], [`StoreError::Io`],
 /// [`StoreError::Corrupt`], [`StoreError::TooLarge`], [`StoreError::UnknownFormat`].
 pub fn read_points(path: &Path, limits: Limits) -> Result<PointsTable, StoreError> {
-    let batch = read(path, limits)?;
+    points_of(read(path, limits)?, path, limits)
+}
+
+/// As [`read_points`], of rows in memory; `path` is what errors call them.
+///
+/// # Errors
+/// As [`read_points`].
+pub fn points_of(
+    batch: RecordBatch,
+    path: &Path,
+    limits: Limits,
+) -> Result<PointsTable, StoreError> {
     let expanded = expanded_bytes(&batch);
     if expanded > limits.decoded_bytes {
         return Err(StoreError::TooLarge {
@@ -119,7 +130,15 @@ pub fn write_points(
     added: BTreeMap<&str, ArrayRef>,
     facts: &[(&str, String)],
 ) -> Result<(), StoreError> {
-    write(path, table, &with_columns(input, table, added, facts)?)
+    write_batch(path, table, &with_columns(input, table, added, facts)?)
+}
+
+/// Writes what [`with_columns`] made, whole or not at all.
+///
+/// # Errors
+/// [`StoreError::Columns`], [`StoreError::UnknownFormat`], [`StoreError::Io`].
+pub fn write_batch(path: &Path, table: Table, batch: &RecordBatch) -> Result<(), StoreError> {
+    write(path, table, batch)
 }
 
 /// Writes the rows of a table that no run owns, whole or not at all.
@@ -187,7 +206,11 @@ fn format(path: &Path) -> Result<Format, StoreError> {
     }
 }
 
-fn with_columns(
+/// The rows of `input` with the columns that `table` adds, as [`write_points`] writes them.
+///
+/// # Errors
+/// [`StoreError::Columns`] where `added` does not fit the schema or the rows.
+pub fn with_columns(
     input: &RecordBatch,
     table: Table,
     mut added: BTreeMap<&str, ArrayRef>,
