@@ -15,6 +15,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+/// Makes the observer of a bake, once the run has a folder.
+pub type Watching<'a> = &'a dyn Fn(RunLocation) -> anyhow::Result<Box<dyn Watch>>;
+
 /// One bar after another, as the stages of a bake begin and end; and when to stop.
 pub struct Bars {
     quiet: bool,

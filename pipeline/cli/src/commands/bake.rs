@@ -4,7 +4,7 @@ use super::transfer;
 use crate::args::{BakeArgs, ExtractArgs, TrainArgs, TrainMode};
 use crate::failure::require_target;
 use crate::print;
-use crate::progress::Bars;
+use crate::progress::{Bars, Watching};
 use crate::run_location::RunLocation;
 use crate::scene_file;
 use crate::stats::processor_time;
@@ -17,9 +17,6 @@ use rrf_scene::Scene;
 use rrf_trace::Tracer;
 use serde_json::{Value, json};
 use std::time::Instant;
-
-/// Makes the observer of a bake, once the run has a folder.
-pub type Watching<'a> = &'a dyn Fn(RunLocation) -> anyhow::Result<Box<dyn Watch>>;
 
 /// Bakes a scene.
 pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {

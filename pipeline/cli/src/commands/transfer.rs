@@ -1,8 +1,8 @@
 //! `rrf bake --method transfer`.
 
-use super::bake::Watching;
 use crate::args::BakeArgs;
 use crate::failure::{BadInput, require_target};
+use crate::progress::Watching;
 use crate::run_location::RunLocation;
 use crate::scene_file;
 use crate::stats::processor_time;
