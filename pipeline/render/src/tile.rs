@@ -62,7 +62,7 @@ pub struct VisiblePoints {
     pub materials: Vec<Bsdf>,
     /// Pixel of each row, counted over the tile's band of the picture.
     pub pixel: Vec<u32>,
-    /// What the ray of each row carries.
+    /// What the ray of each row carries; empty for camera rays where nothing is followed.
     pub carried: Vec<Carried>,
     /// Pixel and direction of each camera ray that met nothing.
     pub missed: Vec<(u32, Vec3)>,
@@ -82,7 +82,7 @@ impl VisiblePoints {
         };
         let mut seen = VisiblePoints::default();
         seen.shoot(tracer, view, tile, aa);
-        seen.read_hits(tracer);
+        seen.read_hits(tracer, false);
         seen
     }
 
@@ -112,8 +112,8 @@ impl VisiblePoints {
         }
     }
 
-    /// The rows of what the camera rays met.
-    pub fn read_hits(&mut self, tracer: &Tracer) {
+    /// The rows of what the camera rays met. Rays `go_on` from them if anything is followed.
+    pub fn read_hits(&mut self, tracer: &Tracer, go_on: bool) {
         self.clear();
         let (rays, ray_pixel) = (
             std::mem::take(&mut self.rays),
@@ -126,10 +126,14 @@ impl VisiblePoints {
         {
             match triangle {
                 INVALID => self.missed.push((pixel, direction)),
-                _ => self.push(tracer, (triangle, at), direction, Carried::camera(pixel)),
+                _ => self.push(tracer, (triangle, at), direction, pixel),
             }
         }
         (self.rays, self.ray_pixel, self.hits) = (rays, ray_pixel, hits);
+        if go_on {
+            let carried = self.pixel.iter().map(|&pixel| Carried::camera(pixel));
+            self.carried.extend(carried);
+        }
         self.fill_columns();
     }
 
@@ -142,10 +146,14 @@ impl VisiblePoints {
     ) {
         self.clear();
         let met = hits.triangle.iter().zip(&hits.barycentrics);
-        let rays = rays.direction.iter().zip(carried);
-        for ((&direction, &carried), (&triangle, &at)) in rays.zip(met) {
+        let rays = rays.direction.iter().zip(carried).zip(&hits.t);
+        for (((&direction, &carried), &distance), (&triangle, &at)) in rays.zip(met) {
             if triangle != INVALID && carried.surface {
-                self.push(tracer, (triangle, at), direction, carried);
+                self.push(tracer, (triangle, at), direction, carried.pixel);
+                self.carried.push(Carried {
+                    throughput: carried.throughput * self.left_after(distance),
+                    ..carried
+                });
             }
         }
         self.fill_columns();
@@ -162,7 +170,8 @@ impl VisiblePoints {
         self.clear();
         for ((pixel, point), &viewer) in (first..).zip(points).zip(viewers) {
             let at = (point.triangle, point.barycentrics);
-            self.push(tracer, at, -viewer, Carried::camera(pixel));
+            self.push(tracer, at, -viewer, pixel);
+            self.carried.push(Carried::camera(pixel));
         }
         self.fill_columns();
     }
@@ -182,7 +191,7 @@ impl VisiblePoints {
         tracer: &Tracer,
         (triangle, barycentrics): (u32, [f32; 2]),
         direction: Vec3,
-        carried: Carried,
+        pixel: u32,
     ) {
         let point = tracer.point(triangle, barycentrics);
         let (normal, material) = tracer.shading_at(&point, -direction);
@@ -190,8 +199,17 @@ impl VisiblePoints {
         self.normals.push(normal);
         self.viewers.push(-direction);
         self.materials.push(material);
-        self.pixel.push(carried.pixel);
-        self.carried.push(carried);
+        self.pixel.push(pixel);
+    }
+
+    /// Share of light that is left after a distance up to the last row's surface, if that encloses
+    /// glass which absorbs.
+    fn left_after(&self, distance: f32) -> Vec3 {
+        let material = self.materials.last().filter(|material| material.inside);
+        match material.and_then(Bsdf::interior) {
+            Some(absorption) if absorption != Vec3::ZERO => (absorption * -distance).exp(),
+            _ => Vec3::ONE,
+        }
     }
 
     /// Unit geometric normal of a row on the viewer's side.

@@ -345,6 +345,44 @@ fn gathered_walls_are_a_furnace() {
     }
 }
 
+/// Clear glass shows what is behind it and what it mirrors, one ray each: a slab under a ceiling and
+/// over a floor that answer alike is invisible but for what its paths lose after eight surfaces.
+#[test]
+fn glass_is_invisible_in_even_light() {
+    let glass = Material::dielectric("glass", 1.5, Vec3::ONE, Vec3::ZERO);
+    let walls = Material::lambert("walls", Vec3::splat(0.5));
+    let mut scene = squares(
+        &[
+            ([0.0; 2], 50.0, 0.0, 0),
+            ([0.0; 2], 50.0, 0.2, 0),
+            ([0.0; 2], 900.0, 3.0, 1),
+            ([0.0; 2], 900.0, -2.0, 1),
+        ],
+        vec![glass, walls],
+        &[],
+    );
+    // the slab's upper face looks up
+    for triangle in &mut scene.triangles[2..4] {
+        triangle.swap(1, 2);
+    }
+    let tracer = Tracer::new(&scene).unwrap();
+    let lights = Lights {
+        points: vec![point_light([3000.0, 0.0, 0.5])],
+        ..Lights::default()
+    };
+    let options = RenderOptions {
+        part: Part::Indirect,
+        ..RenderOptions::default()
+    };
+    let (frame, timings) = frame_of(&tracer, &slanting([12, 9]), &lights, &options);
+    assert!(timings.1[0] >= 2 * 100, "{:?}", timings.1);
+    for pixel in &frame.full {
+        // Φ = l_x, by the blue intensity of 3, or l_x + 1
+        let found = pixel.z / (3.0 * 3000.0);
+        assert!((0.985..1.001).contains(&found), "{found}");
+    }
+}
+
 /// A query's broad part and what its narrow part shows make up the light that paths find, at points of
 /// a coat, a mirror and a rough metal.
 #[test]

@@ -12,6 +12,8 @@ const RAYS: f32 = 4.0;
 /// Roughness up to which broad lobes send rays for the sake of lamps, and how many.
 const GLOSSY_ROUGHNESS: f32 = 0.5;
 const GLOSSY_RAYS: u32 = 2;
+/// Halvings that find the share of a reflection.
+const BISECTIONS: u32 = 20;
 /// The centre of a lobe, by the numbers that choose a direction in it.
 const CENTRE: [f32; 2] = [0.0, 0.0];
 
@@ -143,6 +145,33 @@ impl FollowedPart {
         let own = self.rays as f32 * self.bsdf.pdf(normal, viewer, l);
         let weight = shadow_density / (shadow_density + own).max(f32::MIN_POSITIVE);
         rest + weight * self.bsdf.eval(normal, viewer, l)
+    }
+
+    /// Share of the sharp reflection of a surface that also lets light through, as clear glass does:
+    /// one ray each for reflection and refraction then leave no noise. `None` for one direction, or
+    /// many.
+    pub(crate) fn branch(&self, normal: Vec3, viewer: Vec3) -> Option<f32> {
+        if !self.is_sharp || !self.bsdf.kind.transmits {
+            return None;
+        }
+        let reflects = |lobe: f32| {
+            let u = self.place([lobe, 0.0, 0.0]);
+            self.bsdf.sample(normal, viewer, u).l.dot(normal) > 0.0
+        };
+        let (mut low, mut high) = (0.0, 1.0 - 0.5 * f32::EPSILON);
+        if reflects(low) == reflects(high) {
+            return None;
+        }
+        // the sampler takes reflection below some number, and that is its share
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if reflects(middle) == reflects(0.0) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(0.5 * (low + high))
     }
 
     /// The numbers that choose a ray's direction: those of a sharp lobe's centre, else the given ones.

@@ -4,8 +4,9 @@ use super::carried::Carried;
 use super::part::{Brings, FollowedPart};
 use crate::direct::SampledLights;
 use crate::tile::VisiblePoints;
+use glam::Vec3;
 use rrf_sampling::Stream;
-use rrf_trace::{Hits, Rays, Tracer};
+use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
 /// Throughput from which on a ray is worth its time: a five-hundredth of the camera ray's light.
 const LEAST: f32 = 1.0 / 512.0;
@@ -20,6 +21,16 @@ pub(crate) struct RayQueue {
     pub(crate) rays: Rays,
     pub(crate) carried: Vec<Carried>,
     pub(crate) hits: Hits,
+}
+
+/// Where a row's rays start.
+struct Departure {
+    point: SurfacePoint,
+    normal: Vec3,
+    viewer: Vec3,
+    /// Light that could arrive there.
+    level: f32,
+    from: Carried,
 }
 
 /// What all rays of a tile share.
@@ -76,45 +87,72 @@ impl RayQueue {
         part: &FollowedPart,
         sub: u32,
     ) {
-        let (point, normal, v) = (seen.points[row], seen.normals[row], seen.viewers[row]);
-        let from = seen.carried[row];
-        let index = launch.first + u64::from(from.pixel);
-        let [shift_0, shift_1, shift_2, _] = launch.stream.units(index, u32::MAX, sub);
-        let count = part.rays as f32;
-        let level = launch.lights.level_at(point.position, seen.side(row));
-        let (begin, mut reflected) = (self.carried.len(), 0.0);
-        for ray in 0..part.rays {
-            let u = [
-                (ray as f32 * GOLDEN + shift_0).fract(),
-                ((ray as f32 + shift_1) / count).min(BELOW_ONE),
-                (radical_inverse(ray) + shift_2).fract().min(BELOW_ONE),
-            ];
-            let scattered = part.bsdf.sample(normal, v, part.place(u));
-            let throughput = from.throughput * scattered.weight / count;
-            let leaves = point.normal.dot(scattered.l) * point.normal.dot(v) > 0.0;
-            if !leaves || throughput.max_element() * count < LEAST {
-                continue;
+        let begin = self.carried.len();
+        let start = Departure {
+            point: seen.points[row],
+            normal: seen.normals[row],
+            viewer: seen.viewers[row],
+            level: launch
+                .lights
+                .level_at(seen.points[row].position, seen.side(row)),
+            from: seen.carried[row],
+        };
+        if let Some(reflects) = part.branch(start.normal, start.viewer) {
+            let refracts = 1.0 - reflects;
+            let middles = [0.5 * reflects, reflects + 0.5 * refracts];
+            self.send(launch, part, &start, (middles[0], [0.0; 2]), reflects);
+            self.send(launch, part, &start, (middles[1], [0.0; 2]), refracts);
+        } else {
+            let index = launch.first + u64::from(start.from.pixel);
+            let [shift_0, shift_1, shift_2, _] = launch.stream.units(index, u32::MAX, sub);
+            let count = part.rays as f32;
+            for ray in 0..part.rays {
+                let place = [
+                    ((ray as f32 + shift_1) / count).min(BELOW_ONE),
+                    (radical_inverse(ray) + shift_2).fract().min(BELOW_ONE),
+                ];
+                let lobe = (ray as f32 * GOLDEN + shift_0).fract();
+                self.send(launch, part, &start, (lobe, place), 1.0 / count);
             }
-            reflected += (scattered.weight.max_element() / count).min(1.0);
-            let density = count * scattered.pdf;
-            let rival = match part.brings {
-                Brings::Surfaces => f32::INFINITY,
-                _ if part.is_sharp || level <= 0.0 => 0.0,
-                _ => SampledLights::shadow_density(1.0, level) / density,
-            };
-            let at = point.position;
-            self.carried.push(Carried {
-                pixel: from.pixel,
-                throughput,
-                share: scattered.weight.max_element() / count,
-                rival,
-                far: launch.lights.far_beside_shadow_rays(at, scattered.l, rival),
-                surface: part.brings != Brings::Lamps,
-            });
-            let origin = launch.tracer.lift(point.triangle, at, scattered.l);
-            self.rays.push(origin, scattered.l, f32::INFINITY);
         }
-        self.share_trust(seen, row, part, begin, reflected.min(1.0));
+        self.share_trust(seen, row, part, begin);
+    }
+
+    /// Queues a ray by the numbers that choose it; it stands for `share` of the part.
+    fn send(
+        &mut self,
+        launch: &Launch,
+        part: &FollowedPart,
+        start: &Departure,
+        (lobe, place): (f32, [f32; 2]),
+        share: f32,
+    ) {
+        let (point, v, from) = (&start.point, start.viewer, &start.from);
+        let u = part.place([lobe, place[0], place[1]]);
+        let scattered = part.bsdf.sample(start.normal, v, u);
+        let toward = scattered.l;
+        // light through a surface by one of its normals alone does not count
+        let reflects = point.normal.dot(toward) * point.normal.dot(v) > 0.0;
+        let agrees = reflects == (start.normal.dot(toward) > 0.0);
+        let whole = from.throughput * scattered.weight;
+        if !agrees || scattered.pdf <= 0.0 || whole.max_element() * share.max(0.1) < LEAST {
+            return;
+        }
+        let rival = match part.brings {
+            Brings::Surfaces => f32::INFINITY,
+            _ if part.is_sharp || start.level <= 0.0 => 0.0,
+            _ => SampledLights::shadow_density(1.0, start.level) * share / scattered.pdf,
+        };
+        self.carried.push(Carried {
+            pixel: from.pixel,
+            throughput: whole * share,
+            share: scattered.weight.max_element() * share,
+            rival,
+            far: (launch.lights).far_beside_shadow_rays(point.position, toward, rival),
+            surface: part.brings != Brings::Lamps,
+        });
+        let origin = (launch.tracer).lift(point.triangle, point.position, toward);
+        self.rays.push(origin, toward, f32::INFINITY);
     }
 
     /// Hands the share of a row's trust on to its rays: all of it where nothing is left at the row,
@@ -125,7 +163,6 @@ impl RayQueue {
         row: usize,
         part: &FollowedPart,
         begin: usize,
-        reflected: f32,
     ) {
         let rays = &mut self.carried[begin..];
         let sum: f32 = rays.iter().map(|ray| ray.share).sum();
@@ -133,7 +170,7 @@ impl RayQueue {
         let handed = match (part.brings, part.rest) {
             (Brings::Lamps, _) => 0.0,
             (Brings::Surfaces, _) | (Brings::All, None) => own,
-            (Brings::All, Some(_)) => own * reflected,
+            (Brings::All, Some(_)) => own * sum.min(1.0),
         };
         if sum > 0.0 {
             rays.iter_mut().for_each(|ray| ray.share *= handed / sum);

@@ -66,7 +66,8 @@ impl Job<'_> {
         work.watch.restart();
         work.seen.shoot(self.tracer, self.view, tile, self.side);
         work.watch.end(FrameStage::PrimaryRays);
-        work.seen.read_hits(self.tracer);
+        work.seen
+            .read_hits(self.tracer, self.following != Following::default());
         work.watch.end(FrameStage::Points);
         band.clear(tile, self.view.width);
         self.add_emission(work, band);
@@ -181,6 +182,12 @@ impl Job<'_> {
 
     /// Adds a radiance a visible point to the layer's pixels.
     fn add(&self, layer: &mut [Vec3], seen: &VisiblePoints, radiance: impl Iterator<Item = Vec3>) {
+        if seen.carried.is_empty() {
+            for (&pixel, radiance) in seen.pixel.iter().zip(radiance) {
+                layer[pixel as usize] += self.weight * radiance;
+            }
+            return;
+        }
         for (carried, radiance) in seen.carried.iter().zip(radiance) {
             layer[carried.pixel as usize] += self.weight * carried.throughput * radiance;
         }
@@ -208,18 +215,17 @@ impl Job<'_> {
         let [r, g, b] = &answers.radiance;
         let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);
         let answered = |material| self.answers_for(material);
-        for (carried, (((&r, &g), &b), material)) in seen.carried.iter().zip(rgb) {
-            if answered(material) {
-                let radiance = carried.throughput * Vec3::new(r, g, b);
-                band.indirect[carried.pixel as usize] += self.weight * radiance;
-            }
-        }
+        let radiance = rgb.map(|(((&r, &g), &b), material)| match answered(material) {
+            true => Vec3::new(r, g, b),
+            false => Vec3::ZERO,
+        });
+        self.add(band.indirect, seen, radiance);
         // Of the pixel's first row, which comes last here; of mirrors, what they show.
         let cells = seen.pixel.iter().zip(&answers.cells).zip(&seen.materials);
         for ((&pixel, &cell), material) in cells.rev() {
             let known = &mut band.cell[pixel as usize];
             let is_told = match depth {
-                0 => material.is_black() || answered(material),
+                0 => !self.following.narrow || material.is_black() || answered(material),
                 _ => *known == u32::MAX && answered(material),
             };
             if is_told {
@@ -228,9 +234,10 @@ impl Job<'_> {
         }
         if let Some(trusted) = self.options.trusted {
             let trust = self.lit.trust(trusted, seen, answers);
-            for (carried, trust) in seen.carried.iter().zip(trust) {
-                let share = if trust { carried.share } else { 0.0 };
-                band.trust[carried.pixel as usize] += self.weight * share;
+            for (row, (&pixel, trust)) in seen.pixel.iter().zip(trust).enumerate() {
+                let share = seen.carried.get(row).map_or(1.0, |carried| carried.share);
+                let share = if trust { share } else { 0.0 };
+                band.trust[pixel as usize] += self.weight * share;
             }
         }
         Ok(())
