@@ -6,7 +6,8 @@ use serde::Serialize;
 /// A transfer in a few numbers, its error first.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TransferSummary {
-    /// Relative error over rows and lights that no cell was fitted to, noise taken out.
+    /// Relative error over rows and lights that no cell was fitted to, noise taken out; each cell's
+    /// own has one standard error added, so that it is rather too large.
     pub relative_error: f64,
     /// Its standard error, over cells.
     pub relative_error_se: f64,

@@ -103,7 +103,7 @@ fn print(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) {
     );
     println!(
         "relative error: {:.2} % ± {:.2} % (target {:.2} %) on {judged} rows and the lights that no cell \
-         was fitted to; {missing} of {cells} cells miss the target",
+         was fitted to, one standard error added a cell; {missing} of {cells} cells miss the target",
         100.0 * relative_error,
         100.0 * relative_error_se,
         100.0 * target,
