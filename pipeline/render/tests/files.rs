@@ -64,11 +64,11 @@ fn what_cannot_be_read_is_refused_by_name() {
     assert!(missing.is_bad_input());
 
     exr::write_exr(&path, &frame()).unwrap();
-    let layer = exr::read_exr_layer(&path, "albedo").unwrap_err();
+    let layer = exr::read_exr_layer(&path, "diffuse").unwrap_err();
     assert!(
         layer
             .to_string()
-            .contains("no channel albedo.R; it has B, G, R, cell.id")
+            .contains("no channel diffuse.R; it has B, G, R, Z, albedo.B")
     );
 
     let bytes = std::fs::read(&path).unwrap();
