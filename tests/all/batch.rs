@@ -97,7 +97,7 @@ fn faults_before_anything_starts() {
     ];
     let file = batch(&place, "", &bakes.concat());
     let words = [
-        "fine\" is there twice",
+        "fine: the name is there twice",
         "missing.pbrt",
         "outside the scene",
         "eye box 7,7,7,8,8,8",

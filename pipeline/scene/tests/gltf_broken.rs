@@ -141,7 +141,7 @@ fn accessors_out_of_range_are_refused() {
     );
     expect(
         broken(|json| json["accessors"][0]["type"] = json!("VEC2")),
-        &[PLACE, "POSITION", "Vec2", "must be Vec3"],
+        &[PLACE, "POSITION", "VEC2", "must be VEC3"],
     );
     expect(
         broken(|json| json["accessors"][1]["componentType"] = json!(5126)),
@@ -217,7 +217,7 @@ fn indices_and_positions_are_checked() {
         message,
         &[
             "mesh 0, primitive 0",
-            "vertex 2 at [0.0, NaN, 0.0]",
+            "vertex 2 at 0 NaN 0",
             "node 0 \"N\"",
         ],
     );

@@ -51,7 +51,7 @@ const FAULTS: [(&str, u32, u32, &str); 45] = [
         "Camera \"perspective\" \"string fov\" \"30\"",
         1,
         22,
-        "cannot be of type String",
+        "cannot be of type string",
     ),
     (
         "Camera \"perspective\" \"float fov\" [30 40]",
