@@ -31,6 +31,8 @@ pub(crate) enum Encoding {
     Linear,
     /// Powers of linear numbers: the exponent's f32 bits.
     Gamma(u32),
+    /// The alpha channel in all three.
+    Alpha,
     /// Tangent-space normals, their x and y scaled by the number (its f32 bits).
     Normal(u32),
 }
@@ -210,12 +212,16 @@ fn decode(
     Ok(texture)
 }
 
-/// Grey is repeated over the channels, alpha is dropped.
+/// Grey is repeated over the channels, alpha is dropped unless it is what is wanted.
 fn linear_texels(image: &DynamicImage, encoding: Encoding) -> Vec<Vec3> {
+    if encoding == Encoding::Alpha {
+        let texel = |pixel: &image::Rgba<f32>| Vec3::splat(pixel.0[3]);
+        return image.to_rgba32f().pixels().map(texel).collect();
+    }
     let linear = |value: f32, floats: bool| match encoding {
         Encoding::Natural if floats => value,
         Encoding::Srgb | Encoding::Natural => srgb_to_linear(value),
-        Encoding::Linear | Encoding::Normal(_) => value,
+        Encoding::Linear | Encoding::Normal(_) | Encoding::Alpha => value,
         Encoding::Gamma(exponent) => value.powf(f32::from_bits(exponent)),
     };
     let curve = |levels: u32| -> Vec<f32> {

@@ -1,6 +1,7 @@
 //! Metallic-roughness materials.
 
 use super::document::{Document, place};
+use super::layers::{layered, opacity};
 use super::output::Output;
 use super::picture::Pictures;
 use super::specular::specular;
@@ -153,6 +154,13 @@ impl<'a> Materials<'a> {
             // The factor is 1 where a map says which texels are metal: without it, none is.
             material.metallic = 0.0;
         }
+        let mut material = layered(self.document, place, source, material, warnings)?;
+        let alpha = base.filter(|_| source.alpha_mode != Checked::Valid(AlphaMode::Opaque));
+        let alpha = self.pictures.texture(alpha, Encoding::Alpha, place)?;
+        let opacity = opacity(source, place, alpha, warnings);
+        if opacity.lets_through() {
+            material.opacity = opacity;
+        }
         let radiance = self.radiance(source, place)?;
         let shining = source.emissive_texture.as_ref().map(TextureUse::of);
         let shining = shining.filter(|_| radiance != Vec3::ZERO);
@@ -192,11 +200,6 @@ impl<'a> Materials<'a> {
 }
 
 fn note_left_out(source: &json::Material, place: &str, warnings: &mut Warnings) {
-    match source.alpha_mode {
-        Checked::Valid(AlphaMode::Mask) => warnings.add(place, "alpha mask is read as opaque"),
-        Checked::Valid(AlphaMode::Blend) => warnings.add(place, "alpha blend is read as opaque"),
-        _ => {}
-    }
     if source.occlusion_texture.is_some() {
         let message = "occlusion texture left out: occlusion is computed from the geometry";
         warnings.add(place, message);

@@ -13,6 +13,7 @@ mod buffers;
 mod camera;
 mod document;
 mod ies;
+mod layers;
 mod light;
 mod material;
 mod mesh;

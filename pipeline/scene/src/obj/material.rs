@@ -10,7 +10,7 @@ use crate::texture::{Encoding, TextureTable, format_of};
 use crate::warn::Warnings;
 use crate::{INVALID, LoadOptions, Material, Scene, SceneError};
 use glam::Vec3;
-use rrf_materials::PRINCIPLED;
+use rrf_materials::{Opacity, PRINCIPLED};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -108,6 +108,7 @@ impl Materials {
             is_textured: [
                 material.base_texture,
                 material.normal_texture,
+                material.opacity.texture,
                 emission_texture,
             ]
             .iter()
@@ -139,8 +140,11 @@ impl Materials {
         scene.textures = self.textures.into_textures();
     }
 
-    /// Principled where Pr or Pm stand, else Lambert.
+    /// Glass or a mirror where illum says so, Principled where Pr or Pm stand, else Lambert.
     fn convert(&mut self, mtl: &Mtl, warnings: &mut Warnings) -> Material {
+        if let Some(glass) = glass(mtl, warnings) {
+            return glass;
+        }
         note_left_out(mtl, warnings);
         // A map without Kd stands alone.
         let none = if mtl.diffuse_map.is_some() {
@@ -170,13 +174,18 @@ impl Materials {
             // F0 = ((n - 1) / (n + 1))^2 = 0.08 specular.
             material.specular = ratio * ratio / 0.08;
         }
-        if let Some(reflector) = reflector(mtl) {
-            reflector.apply(mtl, &mut material);
+        if is_mirror(mtl) {
+            make_mirror(mtl, &mut material);
         }
         material.base_texture = self.texture(mtl, &mtl.diffuse_map, Encoding::Srgb, warnings);
         if mtl.diffuse_map.is_some() && material.base_texture == INVALID {
             material.base_color *= self.default_albedo;
         }
+        material.opacity = Opacity {
+            value: mtl.opacity.unwrap_or(1.0).clamp(0.0, 1.0),
+            texture: self.texture(mtl, &mtl.opacity_map, Encoding::Linear, warnings),
+            cutoff: None,
+        };
         let normal = Encoding::Normal(1.0_f32.to_bits());
         material.normal_texture = self.texture(mtl, &mtl.normal_map, normal, warnings);
         material
@@ -258,61 +267,44 @@ impl Materials {
     }
 }
 
-/// A surface that only reflects: black by Kd, with a model of reflection.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reflector {
-    /// Ks is the reflectance.
-    Mirror,
-    /// Reflects by its index of refraction; what it lets through is lost.
-    Glass,
+/// Whether a material without Pr and Pm only reflects: black by Kd, with a mirror's model.
+fn is_mirror(mtl: &Mtl) -> bool {
+    let is_black = mtl.diffuse == Some(Vec3::ZERO) && mtl.diffuse_map.is_none();
+    let plain = mtl.roughness.is_none() && mtl.metallic.is_none();
+    is_black && plain && matches!(mtl.model, Some(3.0 | 5.0 | 8.0))
 }
 
-/// How a material that has no Pr and Pm reflects.
-fn reflector(mtl: &Mtl) -> Option<Reflector> {
-    let is_black = mtl.diffuse == Some(Vec3::ZERO) && mtl.diffuse_map.is_none();
-    if !is_black || mtl.roughness.is_some() || mtl.metallic.is_some() {
+/// A mirror of reflectance Ks. Lobes of equal width: Phong's exponent n is a Beckmann roughness of
+/// (2 / (n + 2))^½ (Walter et al. 2007), and that is the square of ours.
+fn make_mirror(mtl: &Mtl, material: &mut Material) {
+    let alpha = |n: f32| (2.0 / (n.max(0.0) + 2.0)).sqrt();
+    material.kind = &PRINCIPLED;
+    material.roughness = mtl.exponent.map_or(0.0, |n| alpha(n).sqrt());
+    material.base_color = mtl.phong.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
+    material.metallic = 1.0;
+    material.specular = 0.5;
+}
+
+/// Glass (illum 4, 6, 7, 9) by Ni and Tf.
+fn glass(mtl: &Mtl, warnings: &mut Warnings) -> Option<Material> {
+    let plain = mtl.roughness.is_none() && mtl.metallic.is_none();
+    if !plain || !matches!(mtl.model, Some(4.0 | 6.0 | 7.0 | 9.0)) {
         return None;
     }
-    match mtl.model? {
-        3.0 | 5.0 | 8.0 => Some(Reflector::Mirror),
-        4.0 | 6.0 | 7.0 | 9.0 => Some(Reflector::Glass),
-        _ => None,
+    let mut index = mtl.index.unwrap_or(1.5);
+    if index <= 0.0 {
+        let message = format!("Ni {index} is no index of refraction: read as 1.5");
+        warnings.add(&mtl.place, message);
+        index = 1.5;
     }
-}
-
-impl Reflector {
-    /// Lobes of equal width: Phong's exponent n is a Beckmann roughness of (2 / (n + 2))^½
-    /// (Walter et al. 2007), and that is the square of ours.
-    fn apply(self, mtl: &Mtl, material: &mut Material) {
-        let alpha = |n: f32| (2.0 / (n.max(0.0) + 2.0)).sqrt();
-        material.kind = &PRINCIPLED;
-        material.roughness = mtl.exponent.map_or(0.0, |n| alpha(n).sqrt());
-        match self {
-            Reflector::Mirror => {
-                material.base_color = mtl.phong.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
-                material.metallic = 1.0;
-                material.specular = 0.5;
-            }
-            Reflector::Glass => {
-                let index = mtl.index.unwrap_or(1.5);
-                let ratio = (index - 1.0) / (index + 1.0);
-                material.metallic = 0.0;
-                material.specular = (ratio * ratio / 0.08).clamp(0.0, 1.0);
-            }
-        }
-    }
+    let tint = mtl.filter.unwrap_or(Vec3::ONE);
+    Some(Material::dielectric(&mtl.name, index, tint, Vec3::ZERO))
 }
 
 fn note_left_out(mtl: &Mtl, warnings: &mut Warnings) {
     let is_principled = mtl.roughness.is_some() || mtl.metallic.is_some();
-    match reflector(mtl) {
-        Some(Reflector::Mirror) => return,
-        Some(Reflector::Glass) => {
-            let message =
-                "glass (illum 4, 6, 7, 9) keeps its reflection only: it lets nothing through";
-            return warnings.add(&mtl.place, message);
-        }
-        None => {}
+    if is_mirror(mtl) {
+        return;
     }
     // Models 0 and 1 have no reflection, whatever Ks says.
     let reflects = mtl.model.is_none_or(|model| model >= 2.0);
@@ -330,10 +322,11 @@ fn note_left_out(mtl: &Mtl, warnings: &mut Warnings) {
         );
     }
     if mtl.model.is_some_and(|model| model >= 3.0) && !is_principled {
-        let message = "mirrors and glass (illum 3 and above) are read as Lambert of Kd";
+        let message = "a mirror (illum 3, 5, 8) with Kd is read as Lambert of Kd";
         warnings.add(&mtl.place, message);
     }
     if mtl.opacity.is_some_and(|opacity| opacity < 1.0) {
-        warnings.add(&mtl.place, "transparency is read as opaque");
+        let message = "d below 1 is read as a veil: light passes it straight";
+        warnings.add(&mtl.place, message);
     }
 }

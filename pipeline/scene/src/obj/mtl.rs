@@ -31,6 +31,10 @@ pub(super) struct Mtl {
     pub(super) metallic: Option<f32>,
     /// d or 1 - Tr.
     pub(super) opacity: Option<f32>,
+    /// Tf, share that glass lets through.
+    pub(super) filter: Option<Vec3>,
+    /// map_d, opacity.
+    pub(super) opacity_map: Option<String>,
     /// illum.
     pub(super) model: Option<f32>,
     /// map_Kd, as it is written.
@@ -90,6 +94,8 @@ impl Statement<'_> {
         match self.word {
             "Kd" => material.diffuse = self.colour(warnings)?,
             "Ks" => material.phong = self.colour(warnings)?,
+            "Tf" => material.filter = self.colour(warnings)?,
+            "map_d" => material.opacity_map = self.file(warnings),
             "Ke" => material.emission = self.colour(warnings)?,
             "Ns" => material.exponent = Some(self.number()?),
             "Ni" => material.index = Some(self.number()?),

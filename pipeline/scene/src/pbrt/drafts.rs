@@ -1,13 +1,15 @@
 //! The kinds of pbrt's materials, and the nearest of ours to each.
 
-use super::fault::{Place, Read};
+use super::fault::{Place, Read, fault};
 use super::gloss::f0_of;
 use super::material::Draft;
-use super::metal::{copper, normal_reflectance};
+use super::metal::copper;
 use super::params::Params;
 use super::reader::Reader;
 use super::value::Value;
-use glam::DVec3;
+use crate::Material;
+use glam::Vec3;
+use rrf_materials::Metal;
 
 impl Reader {
     /// The draft of a material and what about it is approximated; `None` for an unknown one.
@@ -39,10 +41,7 @@ impl Reader {
             "coateddiffuse" => self.coated_diffuse(params)?,
             "metal" | "conductor" => {
                 let default = if kind == "metal" { 0.01 } else { 0.0 };
-                near(
-                    self.metal(params, "", default)?,
-                    "metal by Principled, metallic 1, with Schlick's Fresnel term",
-                )
+                self.metal(params, "", default)?
             }
             "coatedconductor" => {
                 params.ignore(&[
@@ -56,29 +55,22 @@ impl Reader {
                     "interface.uroughness",
                     "interface.vroughness",
                 ]);
-                near(
-                    self.metal(params, "conductor.", 0.0)?,
-                    "coated metal by Principled, metallic 1, without its coat",
-                )
+                let (draft, _) = self.metal(params, "conductor.", 0.0)?;
+                near(draft, "coated metal without its coat")
             }
             "mirror" => {
                 let base = self.value_or(params, "Kr", 0.9)?;
-                near(
-                    Draft::metal(base, 0.0),
-                    "mirror by Principled, metallic 1, GGX alpha 0.001, with Schlick's Fresnel term",
-                )
+                let mirror = Material::conductor("", Metal::PERFECT, Vec3::ONE, 0.0);
+                exact(Draft::of(&mirror, base))
             }
-            "glass" | "dielectric" | "thindielectric" => self.glass(params)?,
+            "glass" | "dielectric" | "thindielectric" => self.glass(kind, params)?,
             "disney" => self.disney(params)?,
             "mix" => self.mix(params, at)?,
             "diffusetransmission" => {
-                params.ignore(&["transmittance"]);
-                let base = self.value_or(params, "reflectance", 0.25)?;
                 let scale = Value::grey(params.float("scale")?.unwrap_or(1.0));
-                near(
-                    Draft::lambert(self.times(base, scale)),
-                    "transmitting diffuser by Lambert; what it transmits is lost",
-                )
+                let base = self.value_or(params, "reflectance", 0.25)?;
+                let through = self.value_or(params, "transmittance", 0.25)?;
+                self.leaf(self.times(base, scale), self.times(through, scale))
             }
             "subsurface" | "kdsubsurface" | "hair" | "measured" | "fourier" => {
                 self.by_albedo(kind, params)?
@@ -104,12 +96,21 @@ impl Reader {
         let f0 = self.grey(params, "Ks", 0.25)? * f0_of(eta);
         let roughness = self.roughness(params, "", 0.1)?;
         let mut note = "uber by Principled; a coloured Ks by its mean".to_owned();
-        for (name, full) in [("Kr", 0.0), ("Kt", 0.0), ("opacity", 1.0)] {
-            if self.grey(params, name, full)? != full {
+        for name in ["Kr", "Kt"] {
+            if self.grey(params, name, 0.0)? != 0.0 {
                 note.push_str(&format!("; {name} is left out"));
             }
         }
-        Ok((Draft::dielectric(base, roughness, f0), Some(note)))
+        let opacity = self.grey(params, "opacity", 1.0)?;
+        if !(0.0..=1.0).contains(&opacity) {
+            return fault(
+                params.place,
+                format!("an opacity of {opacity} is outside 0 to 1"),
+            );
+        }
+        let mut draft = Draft::dielectric(base, roughness, f0);
+        draft.opacity = opacity;
+        Ok((draft, Some(note)))
     }
 
     fn substrate(&mut self, params: &Params) -> Read<(Draft, Option<String>)> {
@@ -126,17 +127,24 @@ impl Reader {
     fn translucent(&mut self, params: &Params) -> Read<(Draft, Option<String>)> {
         let base = self.value_or(params, "Kd", 0.25)?;
         let reflect = self.value_or(params, "reflect", 0.5)?;
-        let reflected = self.mean(reflect).element_sum() / 3.0;
-        let f0 = self.grey(params, "Ks", 0.25)? * reflected * f0_of(1.5);
-        let roughness = self.roughness(params, "", 0.1)?;
-        params.ignore(&["transmit"]);
-        let note = "translucent by Principled; what it transmits is lost";
-        Ok((
-            Draft::dielectric(self.times(base, reflect), roughness, f0),
-            Some(note.to_owned()),
-        ))
+        let transmit = self.value_or(params, "transmit", 0.5)?;
+        params.ignore(&["Ks", "roughness", "remaproughness"]);
+        let (draft, note) = self.leaf(self.times(base, reflect), self.times(base, transmit));
+        let note = note.map_or(String::new(), |note| format!("; {note}"));
+        let gloss = format!("translucent without its gloss (Ks){note}");
+        Ok((draft, Some(gloss)))
     }
 
+    /// Diffuse reflection and transmission; of a picture that is transmitted, the mean.
+    fn leaf(&self, base: Value, through: Value) -> (Draft, Option<String>) {
+        let mean = self.mean(through).as_vec3();
+        let leaf = Material::diffuse_transmission("", Vec3::ONE, mean);
+        let note = matches!(through, Value::Picture { .. })
+            .then(|| "the transmittance's picture by its mean".to_owned());
+        (Draft::of(&leaf, base), note)
+    }
+
+    /// A diffuse body under a rough coat, as Mitsuba's `roughplastic`.
     fn coated_diffuse(&mut self, params: &Params) -> Read<(Draft, Option<String>)> {
         params.ignore(&[
             "thickness",
@@ -147,41 +155,76 @@ impl Reader {
             "albedo",
         ]);
         let base = self.value_or(params, "reflectance", 0.5)?;
-        let f0 = f0_of(self.eta(params, &["eta"])?);
+        let eta = self.eta(params, &["eta"])?;
         let roughness = self.roughness(params, "", 0.0)?;
-        let note = "coated diffuser by Principled; light is not scattered between its layers";
-        Ok((
-            Draft::dielectric(base, roughness, f0),
-            Some(note.to_owned()),
-        ))
+        let mut note = "coated diffuser by Mitsuba's rough plastic".to_owned();
+        let index = eta.clamp(1.0, 2.5);
+        if index != eta {
+            note.push_str(&format!(
+                "; its index of refraction {eta} is read as {index}: 1 to 2.5 is tabulated"
+            ));
+        }
+        let plastic = Material::plastic("", Vec3::ONE, roughness as f32, index as f32);
+        Ok((Draft::of(&plastic, base), Some(note)))
     }
 
-    /// Clear materials reflect as they do in pbrt and absorb the rest.
-    fn glass(&mut self, params: &Params) -> Read<(Draft, Option<String>)> {
-        params.ignore(&["Kt"]);
-        let f0 = f0_of(self.eta(params, &["eta", "index"])?) * self.grey(params, "Kr", 1.0)?;
-        let roughness = self.roughness(params, "", 0.0)?;
-        let note = "glass by a black Principled: its reflection alone; what it transmits is lost";
-        Ok((
-            Draft::dielectric(Value::grey(0.0), roughness, f0),
-            Some(note.to_owned()),
-        ))
-    }
-
-    fn metal(&mut self, params: &Params, prefix: &str, default_roughness: f64) -> Read<Draft> {
-        let name = |stem: &str| format!("{prefix}{stem}");
-        let base = if let Some(reflectance) = self.value(params, "reflectance")? {
-            reflectance
+    /// Glass, solid or a thin pane.
+    fn glass(&mut self, kind: &str, params: &Params) -> Read<(Draft, Option<String>)> {
+        let eta = self.eta(params, &["eta", "index"])? as f32;
+        let reflected = self.value_or(params, "Kr", 1.0)?;
+        let through = self.value_or(params, "Kt", 1.0)?;
+        let (reflected, tint) = (self.mean(reflected).as_vec3(), self.mean(through).as_vec3());
+        let roughness = self.roughness(params, "", 0.0)? as f32;
+        // version 3 maps a roughness of 0 to an alpha of 0.047, but has clear glass for it
+        let names = ["roughness", "uroughness", "vroughness"];
+        let is_rough = names.iter().any(|name| params.has(name)) && roughness > 0.032;
+        let mut note = None;
+        let mut glass = if kind == "thindielectric" {
+            if is_rough {
+                note = Some("a rough thin pane by a clear one".to_owned());
+            }
+            Material::thin_dielectric("", eta, tint)
+        } else if is_rough {
+            Material::rough_dielectric("", eta, tint, Vec3::ZERO, roughness)
         } else {
-            let (copper_eta, copper_k) = copper();
-            let eta = self.index(params, &name("eta"))?.unwrap_or(copper_eta);
-            let k = self.index(params, &name("k"))?.unwrap_or(copper_k);
-            Value::Constant(normal_reflectance(&eta, &k).clamp(DVec3::ZERO, DVec3::ONE))
+            Material::dielectric("", eta, tint, Vec3::ZERO)
         };
-        Ok(Draft::metal(
-            base,
-            self.roughness(params, prefix, default_roughness)?,
-        ))
+        if let Some(factor) = glass.own.last_mut() {
+            factor.value = reflected;
+        }
+        Ok((Draft::of(&glass, Value::Constant(tint.as_dvec3())), note))
+    }
+
+    /// Metal by its index of refraction, or by its reflectance at normal incidence.
+    fn metal(
+        &mut self,
+        params: &Params,
+        prefix: &str,
+        default_roughness: f64,
+    ) -> Read<(Draft, Option<String>)> {
+        let name = |stem: &str| format!("{prefix}{stem}");
+        let roughness = self.roughness(params, prefix, default_roughness)?;
+        let of = |metal, base| {
+            let metal = Material::conductor("", metal, Vec3::ONE, roughness as f32);
+            Draft::of(&metal, base)
+        };
+        match self.value(params, "reflectance")? {
+            Some(Value::Constant(colour)) => {
+                let metal = Metal::of_reflectance(colour.as_vec3());
+                Ok((of(metal, Value::grey(1.0)), None))
+            }
+            Some(picture) => {
+                let note = "metal with a picture of its reflectance, at all angles alike";
+                Ok((of(Metal::PERFECT, picture), Some(note.to_owned())))
+            }
+            None => {
+                let (copper_eta, copper_k) = copper();
+                let eta = self.index(params, &name("eta"))?.unwrap_or(copper_eta);
+                let k = self.index(params, &name("k"))?.unwrap_or(copper_k);
+                let [eta, k] = [eta, k].map(|index| index.rgb().as_vec3());
+                Ok((of(Metal { eta, k }, Value::grey(1.0)), None))
+            }
+        }
     }
 
     fn disney(&mut self, params: &Params) -> Read<(Draft, Option<String>)> {

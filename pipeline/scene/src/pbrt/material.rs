@@ -1,6 +1,5 @@
-//! pbrt's materials as the nearest of ours: Lambert, or Principled with base colour,
-//! roughness, metallic and specular. All but `matte` and `diffuse` come with a warning that
-//! names what was approximated.
+//! pbrt's materials as the nearest of ours. Those that have no exact counterpart come with a warning
+//! that names what was approximated.
 
 use super::fault::{Place, Read, fault};
 use super::params::Params;
@@ -9,7 +8,7 @@ use super::state::{Surface, Version};
 use super::value::{Mapping, Value};
 use crate::{INVALID, Material, MaterialKind};
 use glam::Vec3;
-use rrf_materials::{LAMBERT, PRINCIPLED};
+use rrf_materials::{LAMBERT, Opacity, PRINCIPLED, Parameter};
 
 /// A material on its way.
 #[derive(Clone, Debug)]
@@ -19,6 +18,10 @@ pub(super) struct Draft {
     pub roughness: f64,
     pub metallic: f64,
     pub specular: f64,
+    /// Further parameters in the order of the kind's slots.
+    pub own: Vec<Vec3>,
+    /// Share of the surface that is there.
+    pub opacity: f64,
     pub normal_texture: u32,
 }
 
@@ -31,6 +34,8 @@ impl Draft {
             roughness: 1.0,
             metallic: 0.0,
             specular: 0.0,
+            own: Vec::new(),
+            opacity: 1.0,
             normal_texture: INVALID,
         }
     }
@@ -44,18 +49,22 @@ impl Draft {
             roughness,
             metallic: 0.0,
             specular,
+            own: Vec::new(),
+            opacity: 1.0,
             normal_texture: INVALID,
         }
     }
 
-    pub fn metal(base: Value, roughness: f64) -> Self {
-        let kind = &PRINCIPLED;
+    /// One of our materials, with a texture in place of its base colour.
+    pub fn of(material: &Material, base: Value) -> Self {
         Self {
-            kind,
+            kind: material.kind,
             base,
-            roughness,
-            metallic: 1.0,
-            specular: 0.5,
+            roughness: f64::from(material.roughness),
+            metallic: f64::from(material.metallic),
+            specular: f64::from(material.specular),
+            own: material.own.iter().map(|p| p.value).collect(),
+            opacity: f64::from(material.opacity.value),
             normal_texture: INVALID,
         }
     }
@@ -191,6 +200,11 @@ impl Reader {
             roughness: draft.roughness as f32,
             metallic: draft.metallic as f32,
             specular: draft.specular as f32,
+            own: draft.own.iter().map(|&value| own(value)).collect(),
+            opacity: Opacity {
+                value: draft.opacity as f32,
+                ..Opacity::OPAQUE
+            },
             base_texture,
             normal_texture: draft.normal_texture,
             ..Material::lambert(name, base_color)
@@ -204,5 +218,13 @@ impl Reader {
         self.scene.materials.push(material);
         self.material_maps.push(map);
         Ok(self.scene.materials.len() as u32 - 1)
+    }
+}
+
+/// A further parameter without a texture.
+fn own(value: Vec3) -> Parameter {
+    Parameter {
+        value,
+        texture: INVALID,
     }
 }

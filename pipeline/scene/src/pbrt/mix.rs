@@ -44,6 +44,13 @@ impl Reader {
             roughness: lerp(a.roughness, b.roughness),
             metallic: lerp(a.metallic, b.metallic),
             specular: lerp(a.specular, b.specular),
+            own: match kind == a.kind {
+                true => (a.own.iter().zip(&b.own))
+                    .map(|(a, b)| a.lerp(*b, t as f32))
+                    .collect(),
+                false => Vec::new(),
+            },
+            opacity: lerp(a.opacity, b.opacity),
             normal_texture: INVALID,
         };
         let exact = kind == &LAMBERT;
@@ -67,20 +74,14 @@ impl Reader {
             return fault(at, format!("no material \"{name}\" is known"));
         };
         let scale = material.base_color.as_dvec3();
-        Ok(Draft {
-            kind: material.kind,
-            base: match material.base_texture {
-                INVALID => Value::Constant(scale),
-                id => Value::Picture {
-                    id,
-                    scale,
-                    map: Mapping::IDENTITY,
-                },
+        let base = match material.base_texture {
+            INVALID => Value::Constant(scale),
+            id => Value::Picture {
+                id,
+                scale,
+                map: Mapping::IDENTITY,
             },
-            roughness: f64::from(material.roughness),
-            metallic: f64::from(material.metallic),
-            specular: f64::from(material.specular),
-            normal_texture: INVALID,
-        })
+        };
+        Ok(Draft::of(material, base))
     }
 }

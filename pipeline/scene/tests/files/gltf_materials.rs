@@ -3,7 +3,7 @@
 use crate::glb::{Glb, png};
 use crate::support::{notes, some_triangle, warns};
 use glam::{Vec2, Vec3};
-use rrf_materials::PRINCIPLED;
+use rrf_materials::{DIELECTRIC, PRINCIPLED, ROUGH_DIELECTRIC, THIN_DIELECTRIC};
 use rrf_scene::{INVALID, LightSource, LightUnits, LoadOptions, Scene, load};
 use serde_json::{Value, json};
 
@@ -183,8 +183,14 @@ fn base64(bytes: &[u8]) -> String {
 #[test]
 fn what_is_approximated_is_said() {
     for (material, part) in [
-        (json!({ "alphaMode": "BLEND" }), "alpha blend"),
-        (json!({ "alphaMode": "MASK" }), "alpha mask"),
+        (
+            json!({ "extensions": { "KHR_materials_transmission": { "transmissionFactor": 0.5 } } }),
+            "veil",
+        ),
+        (
+            json!({ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 1 } } }),
+            "the coat is Mitsuba's",
+        ),
         (
             json!({ "extensions": { "KHR_materials_specular": { "specularFactor": 0.5 } } }),
             "specularFactor",
@@ -440,4 +446,36 @@ fn cameras_follow_their_nodes() {
     let want = 2.0 * (0.5 * 0.5_f32.tan()).atan().to_degrees();
     assert!((camera.fov - want).abs() < 1e-4);
     assert!(warns(&scene, "orthographic"));
+}
+
+/// Glass by KHR_materials_transmission and _volume, opacity by alphaMode.
+#[test]
+fn glass_and_opacity() {
+    let glass = |volume: serde_json::Value, roughness: f32| {
+        let scene = with_material(json!({
+            "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": roughness },
+            "extensions": {
+                "KHR_materials_transmission": { "transmissionFactor": 1 },
+                "KHR_materials_volume": volume,
+                "KHR_materials_ior": { "ior": 1.4 },
+            },
+        }));
+        scene.materials[0].clone()
+    };
+    let volume = json!({ "thicknessFactor": 0.1, "attenuationDistance": 2,
+        "attenuationColor": [1, 0.5, 0.25] });
+    let solid = glass(volume.clone(), 0.0);
+    assert_eq!((solid.kind, solid.own[0].value.x), (&DIELECTRIC, 1.4));
+    let half = std::f32::consts::LN_2 / 2.0;
+    let error = solid.own[1].value - Vec3::new(0.0, half, 2.0 * half);
+    assert!(error.abs().max_element() < 1e-6);
+    assert_eq!(glass(volume, 0.5).kind, &ROUGH_DIELECTRIC);
+    assert_eq!(glass(json!({}), 0.0).kind, &THIN_DIELECTRIC);
+    let alpha = |mode: &str| {
+        let scene = with_material(json!({ "alphaMode": mode, "alphaCutoff": 0.25,
+            "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.5] } }));
+        scene.materials[0].opacity
+    };
+    assert_eq!((alpha("BLEND").value, alpha("BLEND").cutoff), (0.5, None));
+    assert!(!alpha("OPAQUE").lets_through() && !alpha("MASK").lets_through());
 }

@@ -5,7 +5,7 @@ use crate::support::{edge_cross, notes, warns};
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use rrf_materials::{LAMBERT, PRINCIPLED};
+use rrf_materials::{DIELECTRIC, LAMBERT, PRINCIPLED};
 use rrf_scene::{INVALID, LoadOptions, Scene, load};
 
 /// A unit cube of quadrilaterals, faces outwards.
@@ -120,10 +120,17 @@ fn materials_map_onto_lambert_and_principled() {
     assert_eq!((material.roughness, material.metallic), (0.25, 1.0));
     assert!((material.specular - 0.5).abs() < 1e-6);
 
+    let glass = &read_with(TRIANGLE, "newmtl a\nillum 7\nNi 1.33\nTf 1 0.9 0.8\n").materials[0];
+    assert_eq!((glass.kind, glass.own[0].value.x), (&DIELECTRIC, 1.33));
+    assert_eq!(glass.base_color, Vec3::new(1.0, 0.9, 0.8));
+    let veil = &read_with(TRIANGLE, "newmtl a\nKd 1\nd 0.25\n").materials[0];
+    assert_eq!(veil.opacity.value, 0.25);
+
     for (mtl, part) in [
         ("newmtl a\nKd 1\nKs 0.5 0.5 0.5\nillum 2\n", "Phong"),
-        ("newmtl a\nKd 1\nillum 5\n", "mirrors"),
-        ("newmtl a\nKd 1\nd 0.5\n", "transparency"),
+        ("newmtl a\nKd 1\nillum 5\n", "a mirror"),
+        ("newmtl a\nKd 1\nd 0.5\n", "veil"),
+        ("newmtl a\nillum 7\nNi 0\n", "Ni 0 is no index"),
         ("newmtl a\nKd 1.5\n", "base colour [1.5, 1.5, 1.5]"),
         ("newmtl a\n", "no Kd"),
         (

@@ -3,7 +3,9 @@
 use super::{TRIANGLE, warnings, world_v3, world_v4};
 use crate::{Material, Scene};
 use glam::Vec3;
-use rrf_materials::LAMBERT;
+use rrf_materials::{
+    CONDUCTOR, DIELECTRIC, DIFFUSE_TRANSMISSION, LAMBERT, ROUGH_DIELECTRIC, THIN_DIELECTRIC,
+};
 
 fn v3(material: &str) -> (Material, Scene) {
     first(world_v3(&format!("Material {material}\n{TRIANGLE}")).unwrap())
@@ -37,13 +39,10 @@ fn exact_and_approximated() {
         !warnings(&v4("\"diffuse\" \"rgb reflectance\" [.1 .2 .3]").1).contains("approximated")
     );
     for kind in [
-        "metal",
         "plastic",
         "uber",
         "substrate",
         "translucent",
-        "glass",
-        "mirror",
         "disney",
         "hair",
         "subsurface",
@@ -58,12 +57,8 @@ fn exact_and_approximated() {
         );
     }
     for kind in [
-        "conductor",
         "coateddiffuse",
         "coatedconductor",
-        "dielectric",
-        "thindielectric",
-        "diffusetransmission",
         "measured",
         "subsurface",
         "hair",
@@ -130,9 +125,28 @@ fn specular_conventions() {
     assert_eq!(coated.base_color, Vec3::new(0.1, 0.2, 0.3));
     let (plastic, _) = v3("\"plastic\" \"rgb Ks\" [.5 .5 .5]");
     assert!((plastic.specular - 0.25).abs() < 1e-6);
-    let (glass, _) = v4("\"dielectric\" \"spectrum eta\" \"glass-BK7\"");
-    let f0 = (0.5168f32 / 2.5168).powi(2);
-    assert!((glass.specular - f0 / 0.08).abs() < 1e-6 && glass.base_color == Vec3::ZERO);
+    let (glass, scene) = v4("\"dielectric\" \"spectrum eta\" \"glass-BK7\"");
+    assert_eq!((glass.kind, glass.own[0].value.x), (&DIELECTRIC, 1.5168));
+    assert!(!warnings(&scene).contains("approximated"));
+    let (frosted, _) = v3("\"glass\" \"float uroughness\" .2 \"float vroughness\" .2");
+    assert_eq!(
+        (frosted.kind, frosted.own[0].value.x),
+        (&ROUGH_DIELECTRIC, 1.5)
+    );
+    let (clear, _) = v3("\"glass\" \"rgb Kr\" [.5 .5 .5] \"rgb Kt\" [1 .9 .8]");
+    assert_eq!(
+        (clear.kind, clear.base_color),
+        (&DIELECTRIC, Vec3::new(1.0, 0.9, 0.8))
+    );
+    assert_eq!(clear.own[2].value, Vec3::splat(0.5));
+    assert_eq!(v4("\"thindielectric\"").0.kind, &THIN_DIELECTRIC);
+    let (leaf, _) = v4("\"diffusetransmission\" \"rgb transmittance\" [.1 .2 .3]");
+    assert_eq!(
+        (leaf.kind, leaf.own[0].value),
+        (&DIFFUSE_TRANSMISSION, Vec3::new(0.1, 0.2, 0.3))
+    );
+    let (uber, _) = v3("\"uber\" \"rgb opacity\" [.25 .25 .25]");
+    assert_eq!(uber.opacity.value, 0.25);
     let (substrate, scene) = v3("\"substrate\" \"rgb Ks\" [.5 .5 .5]");
     assert_eq!(substrate.specular, 1.0);
     assert!(warnings(&scene).contains("lowered to 0.08"));
@@ -147,20 +161,24 @@ fn metals() {
     let (rgb, _) = v3(
         "\"metal\" \"rgb eta\" [.200438 .924033 1.102212] \"rgb k\" [3.912949 2.452848 2.142188]",
     );
-    assert_eq!(
-        (copper.base_color, copper.metallic),
-        (named.base_color, 1.0)
-    );
-    assert_eq!(copper.base_color, rgb.base_color);
+    assert_eq!((copper.kind, copper.metallic), (&CONDUCTOR, 1.0));
+    assert_eq!((&copper.own, &copper.own), (&named.own, &rgb.own));
     let (gold, _) =
         v4("\"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"");
-    assert!(gold.base_color.x > 0.9 && gold.base_color.z < 0.5);
+    assert_eq!(gold.own[0].value, Vec3::new(0.143119, 0.374957, 1.442479));
+    // k = 2 sqrt(r / (1 - r)) reflects r
     let (by_reflectance, _) = v4("\"conductor\" \"rgb reflectance\" [.9 .5 .1]");
-    assert_eq!(by_reflectance.base_color, Vec3::new(0.9, 0.5, 0.1));
+    assert_eq!(by_reflectance.own[0].value, Vec3::ONE);
+    assert!(
+        (by_reflectance.own[1].value - Vec3::new(6.0, 2.0, 2.0 / 3.0))
+            .abs()
+            .max_element()
+            < 1e-4
+    );
     let (mirror, _) = v3("\"mirror\"");
     assert_eq!(
-        (mirror.base_color, mirror.roughness, mirror.metallic),
-        (Vec3::splat(0.9), 0.0, 1.0)
+        (mirror.base_color, mirror.roughness, mirror.kind),
+        (Vec3::splat(0.9), 0.0, &CONDUCTOR)
     );
 }
 
