@@ -39,9 +39,19 @@ pub(crate) fn bsdf(folder: &Path, scene: &Scene, id: usize) -> Result<String, Ex
     let name: String = (material.name.chars())
         .map(|c| if c.is_alphanumeric() { c } else { '_' })
         .collect();
+    // what light passes has two sides already; a mask of opacity 1 only gives it its name
+    let outer = if material.kind.transmits {
+        "mask"
+    } else {
+        "twosided"
+    };
     let _ = write!(
         out,
-        "<!-- {name} -->\n<bsdf type=\"twosided\" id=\"m{id}\">\n{bent}</bsdf>\n"
+        "<!-- {name} -->\n<bsdf type=\"{outer}\" id=\"m{id}\">\n{}{bent}</bsdf>\n",
+        match outer {
+            "mask" => "<float name=\"opacity\" value=\"1\"/>\n",
+            _ => "",
+        }
     );
     Ok(out)
 }
@@ -55,6 +65,24 @@ fn slot(
 ) -> Result<String, ExportError> {
     let (name, value) = (parameter.slot.mitsuba, parameter.value);
     let is_colour = parameter.width == 3;
+    match name {
+        // Mitsuba has no such parameter
+        "" => return Ok(String::new()),
+        // our roughness is the square root of GGX's alpha; a texture of it counts by its factor
+        "alpha" => {
+            let alpha = (value.x * value.x).max(0.001);
+            return Ok(format!(
+                "<string name=\"distribution\" value=\"ggx\"/>\n<float name=\"alpha\" value=\"{alpha}\"/>\n"
+            ));
+        }
+        "int_ior" => {
+            let ior = value.x;
+            return Ok(format!(
+                "<float name=\"int_ior\" value=\"{ior}\"/>\n<float name=\"ext_ior\" value=\"1\"/>\n"
+            ));
+        }
+        _ => {}
+    }
     let Some(picture) = texture(scene, parameter.texture) else {
         return Ok(if is_colour {
             rgb(name, value)
