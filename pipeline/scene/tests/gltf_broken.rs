@@ -215,11 +215,7 @@ fn indices_and_positions_are_checked() {
     let message = glb.refused();
     expect(
         message,
-        &[
-            "mesh 0, primitive 0",
-            "vertex 2 at 0 NaN 0",
-            "node 0 \"N\"",
-        ],
+        &["mesh 0, primitive 0", "vertex 2 at 0 NaN 0", "node 0 \"N\""],
     );
 
     let mut glb = Glb::new();
