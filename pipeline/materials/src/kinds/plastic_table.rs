@@ -11,7 +11,7 @@ const COSINES: usize = 64;
 const ROUGHNESSES: usize = 16;
 const INDICES: usize = 16;
 /// Least and largest roughness and index of refraction of the table.
-const ROUGHNESS: [f32; 2] = [0.031_622_777, 1.0];
+const ROUGHNESS: [f32; 2] = [0.031_622_78, 1.0];
 const INDEX: [f32; 2] = [1.0, 2.5];
 /// Transmittances \[index, roughness, cosine\], then internal reflectances \[index, roughness\].
 const NUMBERS: usize = INDICES * ROUGHNESSES * (COSINES + 1);
