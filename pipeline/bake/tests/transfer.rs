@@ -129,7 +129,9 @@ fn damaged_tables_are_refused_and_made_again() {
     run.model(&unlit).unwrap();
     let tables = read_transfer(path, &run.facts()).unwrap();
     let refused = |what: &str, table: &Path| {
-        let error = run.model(&unlit).err().expect(what);
+        let Err(error) = run.model(&unlit) else {
+            panic!("{what} is taken");
+        };
         assert!(error.is_bad_input(), "{what} {error}");
         let found = verify(path).unwrap();
         assert_eq!(found.damages.len(), 1, "{what} {found:?}");

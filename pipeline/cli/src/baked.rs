@@ -33,7 +33,7 @@ pub struct Baked {
 /// What answers for the indirect light of a run.
 pub enum BakedModel {
     /// Nets that see point lights.
-    Nets(BakedNets),
+    Nets(Box<BakedNets>),
     /// A transfer.
     Transfer(Box<TransferModel>),
 }
@@ -82,12 +82,12 @@ impl Baked {
             scene,
             manifest: run.manifest,
             eye_box: eye_box.map(|b| [b.minimum, b.maximum].map(Vec3::from)),
-            model: BakedModel::Nets(BakedNets {
+            model: BakedModel::Nets(Box::new(BakedNets {
                 borders: Borders::new(&field, spans),
                 field,
                 traces_narrow: !narrow.is_learned(),
                 tree: model.tree,
-            }),
+            })),
             _location: location,
         })
     }

@@ -68,9 +68,9 @@ fn answer(
     known: &mut [bool],
 ) -> Result<Vec<Vec3>, RenderError> {
     let mut rows = met.rows.clone();
-    for axis in 0..3 {
-        let of_light = met.query.iter().map(|&query| lights[query as usize][axis]);
-        rows.columns[columns::L + axis] = of_light.collect();
+    let of_light = || met.query.iter().map(|&query| lights[query as usize]);
+    for (axis, column) in rows.columns[columns::L..].iter_mut().take(3).enumerate() {
+        *column = of_light().map(|light| light[axis]).collect();
     }
     let (mut learned, mut cells): ([Vec<f32>; 3], _) = (Default::default(), Vec::new());
     nets.field.evaluate(&rows, &mut learned, &mut cells)?;

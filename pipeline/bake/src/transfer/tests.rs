@@ -120,7 +120,10 @@ fn tables_that_form_no_model_are_refused() {
     for (expected, change) in changes {
         let mut tables = good.clone();
         change(&mut tables);
-        let error = read(run, &unlit, tables).err().expect(expected).to_string();
+        let Err(error) = read(run, &unlit, tables) else {
+            panic!("{expected}: it is taken");
+        };
+        let error = error.to_string();
         assert!(error.contains(expected), "{expected}: {error}");
     }
 }

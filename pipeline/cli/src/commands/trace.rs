@@ -58,7 +58,7 @@ pub enum Estimator {
     /// Connections to the first hits of points of light too, as extraction traces its samples.
     Connected,
     /// Paths from both ends, joined in every way, and light shown by mirrors and polished balls: the
-    /// least noise a path, for lights of every kind; each path takes some five times longer.
+    /// least noise a path, for lights of every kind; a path takes ten to twenty times longer.
     Bidirectional,
 }
 

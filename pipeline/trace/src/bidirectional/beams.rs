@@ -157,13 +157,13 @@ mod tests {
             diameter: 0.0,
             ..DistantLight::sun(axis, Vec3::ONE)
         };
-        let spread = 0.05f32;
+        let spread = 0.3f32;
         let angle = 2.0 * std::f64::consts::PI * f64::from(spread);
-        let (middle, radius) = (Vec3::new(0.1, 0.9, 0.0), 0.25f32);
+        let (middle, radius) = (Vec3::new(0.1, 0.9, 0.0), 0.75f32);
         let area = std::f64::consts::PI * f64::from(radius).powi(2);
         for (source, expected) in [(sky(), angle * area), (parallel.into(), area)] {
             let stream = Stream::new(5, Stage::Test, 0);
-            let count = 1_000_000u64;
+            let count = 2_000_000u64;
             let (mut sum, mut squares) = (0.0f64, 0.0f64);
             for i in 0..count {
                 let (u, w) = (stream.units(i, 0, 0), stream.units(i, 0, 1));

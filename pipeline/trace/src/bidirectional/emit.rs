@@ -147,7 +147,7 @@ impl<'a> Lights<'a> {
                     Some(at) => self.toward(source, at, [within, u[1], u[2]])?,
                     None => self.beams.toward(source, [within, u[1], u[2]])?,
                 };
-                Some(self.from_afar(index, toward))
+                Some(self.far_end(index, toward))
             }
         }
     }
@@ -190,7 +190,7 @@ impl<'a> Lights<'a> {
     }
 
     /// The end in a direction to a light from afar.
-    pub(super) fn from_afar(&self, index: u32, toward: Vec3) -> End {
+    pub(super) fn far_end(&self, index: u32, toward: Vec3) -> End {
         let mut end = End::at(Group::Far, index, toward);
         if let Some((source, probability)) = self.far_source(index) {
             end.emit = probability * self.beams.direction_density(source, toward);

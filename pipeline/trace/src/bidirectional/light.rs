@@ -125,7 +125,7 @@ impl End {
     /// The end as mirrors show it.
     pub(super) fn shown(&self) -> Shown {
         match self.group {
-            Group::Far => Shown::from_afar(self.at),
+            Group::Far => Shown::far_end(self.at),
             _ => Shown::point(self.at),
         }
     }

@@ -75,7 +75,7 @@ impl Joined {
             if hit.triangle == INVALID {
                 if counts && far {
                     for index in lights.visible_from_afar() {
-                        let end = lights.from_afar(index, to.l);
+                        let end = lights.far_end(index, to.l);
                         self.sums[x.path as usize] += met(tracer, lights, &x, went, &end);
                     }
                 }

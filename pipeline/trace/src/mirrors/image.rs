@@ -22,7 +22,7 @@ impl Shown {
 
     /// Light from infinitely far away.
     #[inline]
-    pub(crate) fn from_afar(toward: Vec3) -> Shown {
+    pub(crate) fn far_end(toward: Vec3) -> Shown {
         Shown { at: toward, w: 0.0 }
     }
 }

@@ -109,14 +109,14 @@ fn directions_are_points_far_away() {
     let mirror = mirror();
     let x = Vec3::new(0.3, 1.5, -0.2);
     let toward = Vec3::new(-0.3, 0.6, 0.4).normalize();
-    let far = mirror.image(x, Shown::from_afar(toward));
+    let far = mirror.image(x, Shown::far_end(toward));
     let near = mirror.image(x, Shown::point(x + toward * 1e5));
     assert!((far.center - near.center).length() < 1e-4);
     assert!((far.along - near.along).length() < 1e-4);
     assert!((far.slopes / near.slopes - 1.0).abs().max_element() < 1e-4);
     let frames = Frames::new(&[mirror]);
-    assert!(sum(&weights(&frames, x, Shown::from_afar(toward))) > 0.0);
-    let below = Shown::from_afar(-toward);
+    assert!(sum(&weights(&frames, x, Shown::far_end(toward))) > 0.0);
+    let below = Shown::far_end(-toward);
     assert_eq!(sum(&weights(&frames, x, below)), 0.0);
 }
 
@@ -138,7 +138,7 @@ fn balls_show_lights_where_they_reflect_them() {
     for l in [
         Shown::point(Vec3::new(-0.4, 1.1, 0.9)),
         Shown::point(x + Vec3::splat(0.01)),
-        Shown::from_afar(Vec3::new(0.3, 0.9, -0.2).normalize()),
+        Shown::far_end(Vec3::new(0.3, 0.9, -0.2).normalize()),
     ] {
         let image = ball.image(x, l).unwrap();
         let slope = |y: glam::DVec3| {

@@ -31,7 +31,7 @@ pub enum Listed {
     /// It can be baked.
     Ready(Box<Job>),
     /// It cannot.
-    Faulty(Outcome),
+    Faulty(Box<Outcome>),
 }
 
 impl Job {
@@ -75,9 +75,9 @@ pub fn listed(batch: &Batch, base: &Path, output: &Path) -> Vec<Listed> {
                     code => (code, State::Failed),
                 };
                 let (folder, scene) = (output.join(&bake.name), base.join(&bake.scene));
-                all.push(Listed::Faulty(Outcome::without_work(
+                all.push(Listed::Faulty(Box::new(Outcome::without_work(
                     folder, scene, state, text,
-                )));
+                ))));
             }
         }
     }

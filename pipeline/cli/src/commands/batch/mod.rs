@@ -83,7 +83,7 @@ impl Work<'_> {
             .line(&format!("{}: {total} runs", self.args.batch.display()))?;
         for listed in listed {
             let outcome = match listed {
-                Listed::Faulty(outcome) => outcome,
+                Listed::Faulty(outcome) => *outcome,
                 Listed::Ready(job) => self.perform(&job)?,
             };
             self.log
