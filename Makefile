@@ -3,6 +3,7 @@
 # make test   everything that has to hold: Rust and Python
 # make notebooks   the notebooks, executed on a small run
 # make blender   the Blender extension as out/rrf-blender.zip
+# make wheel   the Python package as a wheel in out/wheel
 # make docs   the pages of docs/ as a web site in out/book
 
 OUT ?= out/demo
@@ -13,9 +14,10 @@ VENV = .venv
 NOTEBOOKS = .venv-notebooks
 ENGINES = .venv-engines
 BLENDER = .venv-blender
+PACKAGE = .venv-package
 
 .PHONY: demo check test setup test-setup build report rust-tests python-tests run-tests engine-tests \
-	blender-tests blender notebook-tests python notebooks engines docs clean
+	blender-tests blender wheel package-tests notebook-tests python notebooks engines docs clean
 
 setup:
 	@sh tests/setup.sh
@@ -50,7 +52,7 @@ check: setup
 	cargo test --release --locked --workspace --lib --quiet
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --workspace --no-deps --quiet
 
-test: test-setup check rust-tests python-tests run-tests engine-tests blender-tests notebook-tests
+test: test-setup check rust-tests python-tests run-tests engine-tests blender-tests package-tests notebook-tests
 
 # cargo test builds the programs and the examples that the Python checks call
 rust-tests: check
@@ -87,6 +89,22 @@ blender-tests: rust-tests $(BLENDER)/installed
 $(BLENDER)/installed: tests/blender/requirements.txt
 	python3 -m venv $(BLENDER)
 	$(BLENDER)/bin/python -m pip install --quiet --requirement tests/blender/requirements.txt
+	@touch $@
+
+# the Python package as a wheel that carries OpenBLAS: out/wheel/*.whl
+wheel: setup $(PACKAGE)/installed
+	rm -rf out/wheel
+	$(abspath $(PACKAGE))/bin/maturin build --release --locked --quiet --manifest-path pipeline/python/Cargo.toml \
+		--auditwheel skip --out out/wheel/plain
+	PATH="$(abspath $(PACKAGE))/bin:$$PATH" $(PACKAGE)/bin/auditwheel repair --wheel-dir out/wheel out/wheel/plain/*.whl
+
+package-tests: wheel rust-tests
+	$(PACKAGE)/bin/python -m pip install --quiet --force-reinstall --no-deps out/wheel/*.whl
+	$(PROGRAM) $(PACKAGE)/bin/python -m pytest -q tests/package
+
+$(PACKAGE)/installed: tests/package/requirements.txt
+	python3 -m venv $(PACKAGE)
+	$(PACKAGE)/bin/python -m pip install --quiet numpy --requirement tests/package/requirements.txt
 	@touch $@
 
 # the extension as a file for Blender's preferences
@@ -144,4 +162,4 @@ $(MDBOOK):
 	cargo install mdbook --version 0.5.4 --locked --no-default-features --features search --root out/tools
 
 clean:
-	rm -rf out $(VENV) $(NOTEBOOKS) $(ENGINES) $(BLENDER)
+	rm -rf out $(VENV) $(NOTEBOOKS) $(ENGINES) $(BLENDER) $(PACKAGE)

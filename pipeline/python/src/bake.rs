@@ -22,7 +22,7 @@ pub fn bake(
     words: Vec<OsString>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<String> {
-    let (send, receive) = mpsc::channel();
+    let (send, mut receive) = mpsc::channel();
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = interrupted.clone();
     // the work has a thread of its own: signals and callbacks belong to this one
@@ -36,7 +36,8 @@ pub fn bake(
     let mut stage = (String::new(), 0u64, 0u64);
     let mut raised_here = None;
     loop {
-        let event = py.detach(|| receive.recv_timeout(LOOK));
+        let listen = &mut receive;
+        let event = py.detach(move || listen.recv_timeout(LOOK));
         let told = match event {
             Ok(event) => match &progress {
                 Some(progress) if raised_here.is_none() => tell(progress, &mut stage, event),

@@ -3,7 +3,7 @@
 use arrow::array::{RecordBatch, RecordBatchIterator, RecordBatchReader};
 use arrow::compute::concat_batches;
 use crate::error::RrfError;
-use arrow::ffi_stream::{ArrowArrayStreamReader, FFI_ArrowArrayStream};
+use arrow::ffi_stream::{RecordBatchStreamReader, FFI_ArrowArrayStream};
 use arrow::ipc::reader::FileReader;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -28,7 +28,7 @@ pub fn rows_of(table: &Bound<'_, PyAny>) -> PyResult<RecordBatch> {
     let stream = capsule.pointer_checked(Some(NAME))?.as_ptr();
     // SAFETY: a capsule of this name holds a stream (checked above), which is moved out of it here and
     // marked as released, as the interface says.
-    let reader = unsafe { ArrowArrayStreamReader::from_raw(stream.cast()) };
+    let reader = unsafe { RecordBatchStreamReader::from_raw(stream.cast()) };
     let wrong = |error: arrow::error::ArrowError| PyValueError::new_err(error.to_string());
     let reader = reader.map_err(wrong)?;
     let schema = reader.schema();
@@ -56,7 +56,7 @@ impl Table {
         let _ = requested_schema;
         let rows = RecordBatchIterator::new([Ok(self.0.clone())], self.0.schema());
         let stream = FFI_ArrowArrayStream::new(Box::new(rows));
-        PyCapsule::new(py, stream, Some(NAME.to_owned()))
+        PyCapsule::new_with_value(py, stream, NAME)
     }
 
     fn __len__(&self) -> usize {
