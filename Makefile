@@ -38,8 +38,8 @@ demo: setup
 	@rm -rf $(OUT)
 	@mkdir -p $(OUT)
 	$(RRF) bake $(SALON) --sky $(SKY) --method transfer --preset preview -o $(OUT)/run
-	$(RRF) render $(OUT)/run -o $(OUT)/model.exr -o $(OUT)/model.png
-	$(RRF) trace $(SALON) --sky $(SKY) --spp 64 -o $(OUT)/traced.exr -o $(OUT)/traced.png
+	$(RRF) render $(OUT)/run --size 480x320 -o $(OUT)/model.exr -o $(OUT)/model.png
+	$(RRF) trace $(SALON) --sky $(SKY) --size 480x320 --spp 64 -o $(OUT)/traced.exr -o $(OUT)/traced.png
 	$(RRF) compare $(OUT)/model.exr $(OUT)/traced.exr
 	@echo "The pictures: $(OUT)/model.png (baked) and $(OUT)/traced.png (path traced);"
 	@echo "the same as EXR with the layers direct, indirect and cell beside them."

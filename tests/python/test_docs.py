@@ -101,10 +101,11 @@ def test_commands_and_options_exist(page, options):
 
 def shortened(command, folder):
     """A command of the guide that takes seconds and writes below `folder`."""
-    words = command.replace("512x512", "48x48").replace("--spp 256", "--spp 16").split()
-    words = [re.sub(r"^out/first", str(folder / "first"), word) for word in words[1:]]
+    words = command.replace("512x512", "48x48").replace("480x320", "24x16").replace("--spp 256", "--spp 16").split()
+    words = [re.sub(r"^out/", f"{folder}/", word) for word in words[1:]]
     words = [str(folder / word) if re.fullmatch(r"\w+\.(png|exr|html)", word) else word for word in words]
-    return [BINARY, *words, *(SHORT if words[0] == "bake" else []), "--quiet"]
+    short = (["--rows", "300"] if "transfer" in words else SHORT) if words[0] == "bake" else []
+    return [BINARY, *words, *short, "--quiet"]
 
 
 @pytest.fixture(scope="session")
