@@ -95,7 +95,7 @@ def many_paths(run):
 
 
 def long_fit(run):
-    settings = [LIGHT_BOX, "--rows", "60000", "--paths", "2", "--hidden", "32,16"]
+    settings = [LIGHT_BOX, "--rows", "240000", "--paths", "2", "--hidden", "32,16"]
     runs.call(*[word if word != "bake" else "extract" for word in bake(runs.SCENE, run, *settings)])
     return told([runs.program(), "train", "--quiet", run], 3, 1, "stopped by a signal")
 
@@ -106,7 +106,7 @@ def time_limit_in_a_draw(run):
 
 
 def time_limit_in_a_fit(run):
-    settings = ["--rows", "60000", "--paths", "2", "--hidden", "32,16", "--time-limit", "6"]
+    settings = ["--rows", "240000", "--paths", "2", "--hidden", "32,16", "--time-limit", "6"]
     return limited(bake(runs.SCENE, run, LIGHT_BOX, *settings), 6)
 
 
