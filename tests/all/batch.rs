@@ -89,7 +89,7 @@ fn faults_before_anything_starts() {
     let bakes = [
         bake("fine", &scene, ""),
         bake("fine", &scene, ""),
-        bake("no scene", "missing.pbrt", ""),
+        bake("no-scene", "missing.pbrt", ""),
         bake("outside", &scene, "light_box = [5, 5, 5, 6, 6, 6]"),
         bake("eyes", &scene, "eye_box = [7, 7, 7, 8, 8, 8]"),
         bake("preset", &scene, "preset = \"best\""),
@@ -102,7 +102,7 @@ fn faults_before_anything_starts() {
         "outside the scene",
         "eye box 7,7,7,8,8,8",
         "'best'",
-        "nets, linear-outputs",
+        "nets, transfer, linear-outputs",
     ];
     refused(&["run", &file], &words);
     let file = batch(&place, "colour = 1", &bakes[0]);

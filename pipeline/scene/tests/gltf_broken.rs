@@ -145,7 +145,7 @@ fn accessors_out_of_range_are_refused() {
     );
     expect(
         broken(|json| json["accessors"][1]["componentType"] = json!(5126)),
-        &[PLACE, "indices", "F32"],
+        &[PLACE, "indices", "floats"],
     );
     expect(
         broken(|json| json["accessors"][0]["bufferView"] = json!(77)),
