@@ -5,8 +5,18 @@ use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use rrf_cli::embedded::CommandError;
 
-create_exception!(rrf, RrfError, PyException, "A command failed; it could succeed if tried again.");
-create_exception!(rrf, BadInput, RrfError, "The input or an option is not what a command takes.");
+create_exception!(
+    rrf,
+    RrfError,
+    PyException,
+    "A command failed; it could succeed if tried again."
+);
+create_exception!(
+    rrf,
+    BadInput,
+    RrfError,
+    "The input or an option is not what a command takes."
+);
 
 /// The exception for a failure.
 pub fn raised(error: CommandError) -> PyErr {

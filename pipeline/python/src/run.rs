@@ -37,7 +37,12 @@ impl Run {
         Ok(Table(answered.map_err(raised)?))
     }
 
-    fn trace(&self, py: Python<'_>, table: &Bound<'_, PyAny>, words: Vec<OsString>) -> PyResult<Table> {
+    fn trace(
+        &self,
+        py: Python<'_>,
+        table: &Bound<'_, PyAny>,
+        words: Vec<OsString>,
+    ) -> PyResult<Table> {
         let rows = rows_of(table)?;
         let traced = py.detach(|| self.open_run().trace(rows, &words));
         Ok(Table(traced.map_err(raised)?))
@@ -49,7 +54,9 @@ impl Run {
         py: Python<'py>,
         words: Vec<OsString>,
     ) -> PyResult<(u32, u32, Bound<'py, PyBytes>)> {
-        let frame = py.detach(|| self.open_run().render(&words)).map_err(raised)?;
+        let frame = py
+            .detach(|| self.open_run().render(&words))
+            .map_err(raised)?;
         let length = frame.full.len() * 12;
         let bytes = PyBytes::new_with(py, length, |bytes| {
             let channels = frame.full.iter().flat_map(|pixel| pixel.to_array());

@@ -1,9 +1,9 @@
 //! Tables in and out by the Arrow C stream interface, without copies.
 
+use crate::error::RrfError;
 use arrow::array::{RecordBatch, RecordBatchIterator, RecordBatchReader};
 use arrow::compute::concat_batches;
-use crate::error::RrfError;
-use arrow::ffi_stream::{RecordBatchStreamReader, FFI_ArrowArrayStream};
+use arrow::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
 use arrow::ipc::reader::FileReader;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -32,7 +32,9 @@ pub fn rows_of(table: &Bound<'_, PyAny>) -> PyResult<RecordBatch> {
     let wrong = |error: arrow::error::ArrowError| PyValueError::new_err(error.to_string());
     let reader = reader.map_err(wrong)?;
     let schema = reader.schema();
-    let batches = reader.collect::<Result<Vec<RecordBatch>, _>>().map_err(wrong)?;
+    let batches = reader
+        .collect::<Result<Vec<RecordBatch>, _>>()
+        .map_err(wrong)?;
     match <[RecordBatch; 1]>::try_from(batches) {
         Ok([one]) => Ok(one),
         Err(batches) => concat_batches(&schema, &batches).map_err(wrong),
@@ -66,7 +68,11 @@ impl Table {
     fn __repr__(&self) -> String {
         let schema = self.0.schema();
         let names: Vec<&str> = schema.fields().iter().map(|f| f.name().as_str()).collect();
-        format!("<rrf.Table: {} rows of {}>", self.0.num_rows(), names.join(", "))
+        format!(
+            "<rrf.Table: {} rows of {}>",
+            self.0.num_rows(),
+            names.join(", ")
+        )
     }
 }
 
