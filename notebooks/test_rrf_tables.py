@@ -25,7 +25,11 @@ def test_there_is_something_to_check():
     assert len(NOTEBOOKS) >= 4
 
 
-@pytest.mark.parametrize("name", rt.contract.names())
+# no notebook opens a transfer's tables yet
+OPENED = [name for name in rt.contract.names() if not name.startswith("transfer")]
+
+
+@pytest.mark.parametrize("name", OPENED)
 def test_a_changed_unit_stops_a_notebook(name, monkeypatch):
     """A notebook names the units of every table; one column's, changed alone, is found."""
     texts = [path.read_text() for path in FOLDER.glob("0*.py")]
