@@ -50,7 +50,7 @@ pub fn arrow(bytes: &[u8]) {
     }
 }
 
-/// What is small and text: OBJ, manifest, plan, judgement, tasks with what they need.
+/// Small texts: OBJ, manifest, plan, judgement, tasks with what they need.
 pub fn small(bytes: &[u8]) {
     match bytes.split_first() {
         Some((b'0', rest)) => scene("scene.obj", rest),

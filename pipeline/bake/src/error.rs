@@ -57,9 +57,9 @@ pub enum BakeError {
     Method {
         /// The folder.
         path: PathBuf,
-        /// What it is of.
+        /// Method that the run was baked by.
         found: &'static str,
-        /// What it would have to be of.
+        /// Method that the command works on.
         needed: &'static str,
     },
     /// The run folder already holds a run.

@@ -6,7 +6,7 @@ use crate::region::Region;
 use rrf_scene::Bounds;
 use serde::{Deserialize, Serialize};
 
-/// What becomes of the light that a surface's narrow part sends: mirrors, glass, and lobes of a
+/// Treatment of the light that a surface's narrow part sends: mirrors, glass, and lobes of a
 /// roughness below `rrf_materials::BROAD_ROUGHNESS`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -45,7 +45,7 @@ pub struct ExtractConfig {
     pub fewest_rows: u32,
     /// Paths a row, even: half go to each half estimate.
     pub paths: u32,
-    /// What becomes of narrow parts' light. Scenes without narrow parts say nothing of it.
+    /// Treatment of narrow parts' light. Scenes without narrow parts say nothing of it.
     #[serde(default, skip_serializing_if = "NarrowLight::is_learned")]
     pub narrow: NarrowLight,
     /// Weights of a unit of each column group in the first tree.

@@ -31,7 +31,7 @@ pub struct Draw {
     pub rows: u32,
     /// Paths a row, even: half go to each half estimate.
     pub paths: u32,
-    /// What becomes of narrow parts' light.
+    /// Treatment of narrow parts' light.
     pub narrow: NarrowLight,
 }
 

@@ -161,7 +161,7 @@ impl Bsdf {
         (self.kind.interior)(self)
     }
 
-    /// The same surface seen from within what it encloses, which has this index of refraction
+    /// The surface seen from within what it encloses, which has this index of refraction
     /// relative to what lies outside.
     pub fn from_within(self) -> Bsdf {
         Bsdf {

@@ -31,12 +31,12 @@ impl Parts {
         self.0 & other.0 == other.0
     }
 
-    /// What it has in common with `other`.
+    /// Parts that are in `other` too.
     pub fn and(self, other: Parts) -> Parts {
         Parts(self.0 & other.0)
     }
 
-    /// What it has beyond `other`.
+    /// Parts that are not in `other`.
     pub fn without(self, other: Parts) -> Parts {
         Parts(self.0 & !other.0)
     }

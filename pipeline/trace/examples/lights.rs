@@ -1,4 +1,4 @@
-//! What lights cost a path, and what knowing where they come in is worth.
+//! Cost of lights to a path, and gain of knowing where they come in.
 //!
 //!     cargo run --release -p rrf-trace --example lights                     1,000 emitters against 10
 //!     cargo run --release -p rrf-trace --example lights -- SCENE SKY.exr    a sky seen through windows

@@ -92,7 +92,7 @@ impl<'s> Tracer<'s> {
         })
     }
 
-    /// The same, which gives up soon after `halt` says so: estimates then end with
+    /// A tracer that gives up soon after `halt` says so: estimates then end with
     /// [`TraceError::Halted`]. Once it has said so it must not change its mind.
     pub fn until(self, halt: &'s (dyn Fn() -> bool + Sync)) -> Tracer<'s> {
         Tracer {

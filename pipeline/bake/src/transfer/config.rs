@@ -1,4 +1,4 @@
-//! What the settings mean for a transfer.
+//! Settings of a transfer, from those of a bake.
 
 use crate::error::BakeError;
 use crate::settings::{Preset, Settings};
@@ -88,7 +88,7 @@ impl TransferBakeConfig {
         }
     }
 
-    /// What the transfer's own bake is told.
+    /// Configuration of the library that bakes transfers.
     pub(crate) fn plan(&self) -> TransferConfig {
         let mut plan = TransferConfig {
             seed: self.seed,
@@ -116,7 +116,7 @@ impl TransferBakeConfig {
 }
 
 impl Settings {
-    /// What the settings mean for a transfer of a scene.
+    /// Configuration that the settings give for a transfer of a scene.
     ///
     /// # Errors
     /// [`BakeError::Setting`] for options that a transfer has no use for,

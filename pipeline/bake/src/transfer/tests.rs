@@ -61,7 +61,7 @@ fn models_come_back_to_the_bit() {
     assert_eq!(parts(back), parts(model));
 }
 
-/// What is well-formed but no model is refused with its place.
+/// Well-formed tables that are no model are refused with their place.
 #[test]
 fn tables_that_form_no_model_are_refused() {
     let path = concat!(

@@ -37,7 +37,7 @@ pub(super) struct End {
     pub(super) emit: f32,
 }
 
-/// What a light sends to a point.
+/// Light that arrives at a point from an end of a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sent {
     /// Unit direction from the point to the light.
@@ -214,7 +214,7 @@ impl<'a> Lights<'a> {
             })
     }
 
-    /// What an end sends to a point.
+    /// Light that arrives at a point from an end, if any.
     pub(super) fn sent(&self, end: &End, to: Vec3) -> Option<Sent> {
         match end.group {
             Group::Points => {

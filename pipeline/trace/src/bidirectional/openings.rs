@@ -88,7 +88,7 @@ impl Openings {
     }
 }
 
-/// What was seen of a box's cells.
+/// Counts of light seen through each cell of a box's faces.
 pub(super) struct Seen {
     low: Vec3,
     size: Vec3,

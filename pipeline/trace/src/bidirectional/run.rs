@@ -43,7 +43,7 @@ pub(super) struct Joined {
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Found>,
     pub(super) stack: Stack,
-    /// What one ray meets beyond a surface that it passes.
+    /// Hits of one ray beyond a surface that it passes.
     pub(super) beyond: Vec<Found>,
     pub(super) light_vertices: Vec<LightVertex>,
     pub(super) eyes: Vec<EyeVertex>,

@@ -129,7 +129,7 @@ impl Mirrors {
 /// than those of flat mirrors, which may be hidden.
 const LEAST_BALLS: f32 = 0.3;
 
-/// What each ball shows of a light.
+/// Images of a light in the balls.
 struct InBalls {
     images: [Option<BallImage>; ball::MOST_BALLS],
     /// Sum of their weights.

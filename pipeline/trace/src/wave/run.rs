@@ -83,7 +83,7 @@ pub(super) struct Wave {
     pub(super) shadows: Vec<Ray>,
     pub(super) arriving: Vec<(u32, Vec3)>,
     blocked: Vec<bool>,
-    /// What one ray meets beyond a surface that it passes.
+    /// Hits of one ray beyond a surface that it passes.
     pub(super) beyond: Vec<Found>,
     /// Vertices that look at mirrors, their rays, and which of them met one.
     pub(super) connections: Vec<Connection>,
