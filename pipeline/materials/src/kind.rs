@@ -123,6 +123,18 @@ pub struct Scatter {
     pub pdf: f32,
 }
 
+impl Scatter {
+    /// A direction of the value f cos(theta_l) and the density `pdf`.
+    #[inline(always)]
+    pub fn weighted(l: Vec3, value: Vec3, pdf: f32) -> Scatter {
+        Scatter {
+            l,
+            weight: pick(pdf > 0.0, value / pdf, Vec3::ZERO),
+            pdf,
+        }
+    }
+}
+
 /// Stands for the unbounded density of a direction without a choice: in the balance heuristic it
 /// outweighs every other density to the last digit. Such lobes have no value and no density where
 /// they are asked for a given direction.

@@ -116,12 +116,7 @@ fn sample(bsdf: &Bsdf, n: Vec3, v: Vec3, u: [f32; 3]) -> Scatter {
     let h = visible_normal(local, alpha(bsdf.roughness), [u[1], u[2]]);
     let l = frame.to_world(mirrored(local, h));
     let pdf = pdf(bsdf, n, v, l);
-    let weight = eval(bsdf, n, v, l) / pdf;
-    Scatter {
-        l,
-        weight: pick(pdf > 0.0, weight, Vec3::ZERO),
-        pdf,
-    }
+    Scatter::weighted(l, eval(bsdf, n, v, l), pdf)
 }
 
 /// Density of [`sample`].

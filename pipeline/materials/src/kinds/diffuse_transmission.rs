@@ -85,12 +85,7 @@ fn sample(bsdf: &Bsdf, n: Vec3, v: Vec3, u: [f32; 3]) -> Scatter {
     let below = u[0] >= reflection_probability(bsdf);
     let l = pick(below, up - n * (2.0 * n.dot(up)), up);
     let pdf = pdf(bsdf, n, v, l);
-    let weight = eval(bsdf, n, v, l) / pdf;
-    Scatter {
-        l,
-        weight: pick(pdf > 0.0, weight, Vec3::ZERO),
-        pdf,
-    }
+    Scatter::weighted(l, eval(bsdf, n, v, l), pdf)
 }
 
 /// Density of [`sample`].

@@ -115,12 +115,7 @@ fn sample(bsdf: &Bsdf, n: Vec3, v: Vec3, u: [f32; 3]) -> Scatter {
     let takes_coat = u[0] < coat_probability(bsdf, local.z);
     let l = frame.to_world(pick(takes_coat, mirrored(local, h), diffuse));
     let pdf = pdf(bsdf, n, v, l);
-    let weight = eval(bsdf, n, v, l) / pdf;
-    Scatter {
-        l,
-        weight: pick(pdf > 0.0, weight, Vec3::ZERO),
-        pdf,
-    }
+    Scatter::weighted(l, eval(bsdf, n, v, l), pdf)
 }
 
 /// Density of [`sample`].

@@ -108,12 +108,7 @@ fn sample(bsdf: &Bsdf, n: Vec3, v: Vec3, u: [f32; 3]) -> Scatter {
     let choice = specular_probability(bsdf, local.z);
     let l = frame.to_world(pick(u[0] < choice, mirrored, diffuse));
     let pdf = pdf(bsdf, n, v, l);
-    let weight = eval(bsdf, n, v, l) / pdf;
-    Scatter {
-        l,
-        weight: pick(pdf > 0.0, weight, Vec3::ZERO),
-        pdf,
-    }
+    Scatter::weighted(l, eval(bsdf, n, v, l), pdf)
 }
 
 /// Density of [`sample`].

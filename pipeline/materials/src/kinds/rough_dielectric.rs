@@ -143,12 +143,7 @@ fn sample(bsdf: &Bsdf, n: Vec3, v: Vec3, u: [f32; 3]) -> Scatter {
     } else {
         0.0
     };
-    let weight = eval(bsdf, n, v, l) / pdf;
-    Scatter {
-        l,
-        weight: pick(pdf > 0.0, weight, Vec3::ZERO),
-        pdf,
-    }
+    Scatter::weighted(l, eval(bsdf, n, v, l), pdf)
 }
 
 /// Density of [`sample`].
