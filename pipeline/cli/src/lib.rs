@@ -69,7 +69,7 @@ fn command() -> clap::Command {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<u8> {
-    if cli.command.bounds_memory() {
+    if cli.command.bounds_memory() || memory::address_space().is_some() {
         memory::give_back();
     }
     if let Some(threads) = cli.globals.threads {

@@ -5,8 +5,11 @@ use crate::failure::BadInput;
 /// Bytes of a pixel: five layers of a frame, its rows and what the writers take.
 const PIXEL: u64 = 96;
 
-/// Address space that the linear algebra library wants for its buffers. With less it asks for ever.
-const SOLVER: u64 = 512 << 20;
+/// Address space of a buffer of the linear algebra library, one for each thread that calls it.
+const BUFFER: u64 = 128 << 20;
+
+/// Address space that training takes beside those buffers, at least.
+const TRAINING: u64 = 256 << 20;
 
 /// Refuses a frame that does not fit into memory.
 pub fn check_frame(width: u32, height: u32) -> Result<(), BadInput> {
@@ -22,16 +25,46 @@ pub fn check_frame(width: u32, height: u32) -> Result<(), BadInput> {
     }
 }
 
-/// Refuses to train where the process may not have the memory that it takes at least.
+/// Refuses to train where the process may not have the memory that it takes at least, and takes the
+/// buffers of the linear algebra library where a limit could come in its way: it asks for one until it gets
+/// it, for ever. What it was given once it keeps.
 pub fn check_solver() -> Result<(), BadInput> {
-    match address_space() {
-        Some(there) if there < SOLVER => Err(BadInput(format!(
-            "the address space left to this process is {} MiB (ulimit -v); training needs {} MiB; \
-             raise the limit",
+    let Some(there) = address_space() else {
+        return Ok(());
+    };
+    let threads = rayon::current_num_threads();
+    let needed = threads as u64 * BUFFER + TRAINING;
+    if there < needed {
+        return Err(BadInput(format!(
+            "the address space left to this process is {} MiB (ulimit -v); training with --threads {threads} \
+             needs {} MiB; raise the limit or give fewer threads",
             there >> 20,
-            SOLVER >> 20
-        ))),
-        _ => Ok(()),
+            needed >> 20
+        )));
+    }
+    #[cfg(unix)]
+    take_buffers(threads);
+    Ok(())
+}
+
+/// Has OpenBLAS map a buffer for each thread; another library, which has no such function, is left alone.
+#[cfg(unix)]
+fn take_buffers(threads: usize) {
+    use std::ffi::{c_int, c_void};
+    type Take = unsafe extern "C" fn(c_int) -> *mut c_void;
+    type Free = unsafe extern "C" fn(*mut c_void);
+    // SAFETY: the names are valid strings; the types are those of OpenBLAS's `common.h`; each buffer is
+    // given back once.
+    unsafe {
+        let take = libc::dlsym(libc::RTLD_DEFAULT, c"blas_memory_alloc".as_ptr());
+        let free = libc::dlsym(libc::RTLD_DEFAULT, c"blas_memory_free".as_ptr());
+        if take.is_null() || free.is_null() {
+            return;
+        }
+        let take = std::mem::transmute::<*mut c_void, Take>(take);
+        let free = std::mem::transmute::<*mut c_void, Free>(free);
+        let buffers: Vec<_> = (0..threads).map(|_| take(0)).collect();
+        buffers.into_iter().for_each(|buffer| free(buffer));
     }
 }
 
