@@ -69,7 +69,9 @@ fn finish(run: &Run, plan: &RoundPlan, watch: &dyn Watch) -> Result<(Evaluation,
             None
         }
     };
-    // no task is left to do: unfinished files belong to killed ones
+    run.add_time(plan.round, |timings| &mut timings.evaluate, start)?;
+    // no task is left to do: unfinished files belong to killed ones. What follows is the one file that says
+    // so: a bake that is killed before it is whole comes here again.
     remove_unfinished(&run.folder)?;
     run.write_evaluated(&EvaluatedRound {
         round: plan.round,
@@ -77,7 +79,6 @@ fn finish(run: &Run, plan: &RoundPlan, watch: &dyn Watch) -> Result<(Evaluation,
         stop,
         refinements,
     })?;
-    run.add_time(plan.round, |timings| &mut timings.evaluate, start)?;
     Ok((evaluation, next))
 }
 
