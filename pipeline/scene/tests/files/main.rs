@@ -5,6 +5,7 @@
 mod cases;
 mod glb;
 mod gltf_geometry;
+mod gltf_lights;
 mod gltf_materials;
 mod gltf_scenes;
 mod obj_files;
