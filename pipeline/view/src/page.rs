@@ -4,7 +4,11 @@
 const DOCUMENT: &str = include_str!("../page/view.html");
 const STYLE: &str = include_str!("../page/view.css");
 const SCRIPT: &str = concat!(
-    include_str!("../page/view.js"),
+    include_str!("../page/camera.js"),
+    include_str!("../page/frames.js"),
+    include_str!("../page/lights.js"),
+    include_str!("../page/input.js"),
+    include_str!("../page/truth.js"),
     include_str!("../page/own.js")
 );
 
