@@ -1,10 +1,16 @@
-"""Fixtures: the contract in schemas/, and a small run written by the Rust code."""
+"""Fixtures: the contract in schemas/, a small run written by the Rust code, and a page in a browser.
+
+The browser is Debian's chromium (tests/setup.sh). Without RRF_CHROMIUM the tests look for `chromium` on the path.
+"""
 
 import os
 import pathlib
+import shutil
 import subprocess
 
 import pytest
+from playwright.sync_api import sync_playwright
+from viewer import Viewer, bake, served
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -41,3 +47,39 @@ def echo():
         return subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
     return call
+
+
+@pytest.fixture(scope="session")
+def browser():
+    chromium = os.environ.get("RRF_CHROMIUM") or shutil.which("chromium")
+    assert chromium, "no chromium: run tests/setup.sh"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=chromium,
+            # CI runs as root, where Chromium's sandbox does not start
+            args=["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"],
+        )
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def baked(tmp_path_factory):
+    """The Cornell box with the smallest bake, or the run that RRF_RUN names."""
+    run = tmp_path_factory.mktemp("view") / "run"
+    return os.environ.get("RRF_RUN") or bake(ROOT / "scenes/cornell-box/scene.pbrt", run)
+
+
+@pytest.fixture
+def server(baked):
+    """The URL of a page on that run."""
+    with served(baked) as url:
+        yield url
+
+
+@pytest.fixture
+def viewer(browser, server):
+    viewer = Viewer(browser, server)
+    yield viewer
+    viewer.clean(server)
+    viewer.page.close()

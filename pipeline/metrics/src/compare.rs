@@ -46,23 +46,7 @@ pub fn compare(
     test: &Picture,
     exposure: Option<Exposure>,
 ) -> Result<Comparison, MetricsError> {
-    let sizes = [reference, test].map(|p| (p.width, p.height));
-    if sizes[0] != sizes[1] {
-        return Err(MetricsError::SizeMismatch {
-            first: sizes[0],
-            second: sizes[1],
-        });
-    }
-    if reference.pixels.is_empty() {
-        return Err(MetricsError::Empty);
-    }
-    reference.check_finite("reference")?;
-    test.check_finite("tested")?;
-    let mean_luminance = |p: &Picture| mean(p.pixels.iter().map(|&p| f64::from(luminance(p))));
-    let reference_luminance = mean_luminance(reference);
-    if reference_luminance <= 0.0 {
-        return Err(MetricsError::BlackReference);
-    }
+    check_pair(reference, test)?;
     let exposure = exposure.unwrap_or_else(|| Exposure::automatic(reference));
     let pair = Pair::new(reference, test, exposure);
     let measures = FRAME_METRICS.iter().map(|metric| Measure {
@@ -72,14 +56,35 @@ pub fn compare(
         definition: metric.definition,
     });
     Ok(Comparison {
-        width: sizes[0].0,
-        height: sizes[0].1,
+        width: reference.width,
+        height: reference.height,
         exposure,
-        reference_luminance,
+        reference_luminance: mean_luminance(reference),
         test_luminance: mean_luminance(test),
         epsilon: pair.epsilon,
         measures: measures.collect(),
     })
+}
+
+fn mean_luminance(picture: &Picture) -> f64 {
+    mean(picture.pixels.iter().map(|&p| f64::from(luminance(p))))
+}
+
+/// Whether two pictures can be compared.
+pub(crate) fn check_pair(reference: &Picture, test: &Picture) -> Result<(), MetricsError> {
+    let [first, second] = [reference, test].map(|p| (p.width, p.height));
+    if first != second {
+        return Err(MetricsError::SizeMismatch { first, second });
+    }
+    if reference.pixels.is_empty() {
+        return Err(MetricsError::Empty);
+    }
+    reference.check_finite("reference")?;
+    test.check_finite("tested")?;
+    match mean_luminance(reference) > 0.0 {
+        true => Ok(()),
+        false => Err(MetricsError::BlackReference),
+    }
 }
 
 impl Comparison {

@@ -8,6 +8,7 @@ mod rel_mse;
 mod relative_error;
 
 pub use pair::{FrameMetric, Pair};
+pub(crate) use rel_mse::EPSILON as REL_MSE_EPSILON;
 
 /// All frame metrics, in the order printed.
 pub const FRAME_METRICS: &[FrameMetric] = &[

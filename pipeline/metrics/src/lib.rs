@@ -2,7 +2,8 @@
 //!
 //! [`relative`] has the relative error of rows and pixels, [`estimate`] its forms with the
 //! reference's Monte Carlo noise taken out, [`color`] and [`flip`] what a viewer sees. A
-//! comparison of two frames is the list [`FRAME_METRICS`], evaluated by [`compare()`].
+//! comparison of two frames is the list [`FRAME_METRICS`], evaluated by [`compare()`], or by
+//! [`compare_noisy()`] where the reference is noisy.
 //!
 //! ```
 //! use rrf_metrics::{Picture, compare, relative};
@@ -24,6 +25,7 @@ mod error;
 pub mod estimate;
 pub mod flip;
 pub mod frame;
+mod noisy;
 mod picture;
 pub mod relative;
 pub mod tone;
@@ -32,5 +34,6 @@ pub use compare::{Comparison, Measure, compare};
 pub use error::MetricsError;
 pub use estimate::ErrorEstimate;
 pub use frame::{FRAME_METRICS, FrameMetric, Pair};
+pub use noisy::{NoisyMeasure, compare_noisy};
 pub use picture::Picture;
 pub use relative::channel_mean;

@@ -110,6 +110,7 @@ impl RenderError {
     pub fn is_bad_input(&self) -> bool {
         match self {
             RenderError::Write { source, .. } => rrf_files::is_permanent(source),
+            RenderError::Trace(error) => error.is_bad_input(),
             _ => true,
         }
     }

@@ -64,4 +64,7 @@ pub struct RenderOptions<'a> {
     pub gather: u32,
     /// Borders of cells, if their nets are to be blended there. Takes the lights one by one.
     pub borders: Option<&'a Borders>,
+    /// Asked at every tile whether the frame is still wanted; if it says yes, the frame ends with
+    /// [`rrf_trace::TraceError::Halted`].
+    pub halt: Option<&'a (dyn Fn() -> bool + Sync)>,
 }

@@ -99,9 +99,10 @@ function change() {
 
 // ---- picture and world
 
-function size() {
-  const box = $("frame").parentElement.getBoundingClientRect();
-  const shorter = Number($("size").value) || Math.min(box.width, box.height) * devicePixelRatio;
+// Size of a moving picture, or that of the window.
+function size(whole) {
+  const box = $("picture").getBoundingClientRect();
+  const shorter = (!whole && Number($("size").value)) || Math.min(box.width, box.height) * devicePixelRatio;
   const ratio = box.width / Math.max(1, box.height);
   const wide = ratio > 1 ? [shorter * ratio, shorter] : [shorter, shorter / ratio];
   const least = Math.min(1, 2048 / Math.max(...wide));

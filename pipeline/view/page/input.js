@@ -1,6 +1,7 @@
 // Mouse, keys and the panel.
 
 let drag = null;
+const touches = new Map(); // places of the pointers that are down
 
 function within(event) {
   const box = $("frame").getBoundingClientRect();
@@ -9,6 +10,7 @@ function within(event) {
 
 $("frame").addEventListener("pointerdown", (event) => {
   if (!camera) return;
+  touches.set(event.pointerId, [event.clientX, event.clientY]);
   $("frame").focus();
   $("frame").setPointerCapture(event.pointerId);
   const light = event.button === 0 ? lightAt(...within(event)) : null;
@@ -20,6 +22,7 @@ $("frame").addEventListener("pointerdown", (event) => {
 });
 
 $("frame").addEventListener("pointermove", (event) => {
+  if (touches.size === 2 && touches.has(event.pointerId)) { pinch(event); return; }
   if (!drag) {
     $("frame").classList.toggle("over", camera !== null && lightAt(...within(event)) !== null);
     return;
@@ -40,8 +43,21 @@ $("frame").addEventListener("pointermove", (event) => {
   }
 });
 
+// Two fingers: nearer and farther by their distance.
+function pinch(event) {
+  const apart = () => { const [a, b] = [...touches.values()]; return Math.max(1, length(sub(a, b))); };
+  const before = apart();
+  touches.set(event.pointerId, [event.clientX, event.clientY]);
+  drag = null;
+  dolly(clamp(before / apart(), 0.5, 2));
+}
+
 for (const end of ["pointerup", "pointercancel"]) {
-  $("frame").addEventListener(end, () => { drag = null; $("frame").classList.remove("busy"); });
+  $("frame").addEventListener(end, (event) => {
+    touches.delete(event.pointerId);
+    drag = null;
+    $("frame").classList.remove("busy");
+  });
 }
 $("frame").addEventListener("contextmenu", (event) => event.preventDefault());
 $("frame").addEventListener("wheel", (event) => {
@@ -135,10 +151,13 @@ $("watts").onchange = () => {
 $("exposure").oninput = () => setExposure(Number($("exposure").value));
 $("auto").onchange = () => setExposure($("auto").checked ? null : shownExposure);
 $("size").onchange = ask;
+$("blend").onchange = ask;
+$("refine").onchange = ask;
 $("fov").oninput = () => { camera.fov = Number($("fov").value); change(); };
 $("home").onclick = () => { home(); $("fov").value = camera.fov; ask(); };
 $("help-button").onclick = () => $("help").showModal();
 $("trace").onclick = () => trace();
+$("hide-truth").onclick = () => { hideTruth(); ask(); };
 $("difference").onchange = () => {
   if ($("difference").checked && !tracing) trace();
   else showTraced();
@@ -153,13 +172,11 @@ $("copy").onclick = async () => {
   }
   setTimeout(() => { $("copy").textContent = "Copy"; }, 1500);
 };
-new ResizeObserver(() => {
-  for (const id of ["frame", "traced"]) fitCanvas($(id));
-  ask();
-}).observe($("frame").parentElement);
+new ResizeObserver(() => ask()).observe($("picture"));
 
 function tellCommand() {
   const [w, h] = facts ? facts.size : size();
+  const rays = facts && facts.aa > 1 ? ` --aa ${facts.aa}` : "";
   const list = (values) => values.map((x) => Number(x.toPrecision(7))).join(",");
   const quoted = /^[\w./-]+$/.test(start.run) ? start.run : `'${start.run.replaceAll("'", "'\\''")}'`;
   const words = [`rrf render ${quoted} -o view.exr -o view.png`];
@@ -167,10 +184,11 @@ function tellCommand() {
     words.push(`--eye=${list(camera.eye)} --look-at=${list(add(camera.eye, camera.forward))} --up=${list(camera.up)}`);
     if (camera.mirror < 0) words.push("--mirror");
   }
-  words.push(`--fov ${Number(camera.fov.toPrecision(6))} --size ${w}x${h}`);
+  words.push(`--fov ${Number(camera.fov.toPrecision(6))} --size ${w}x${h}${rays}`);
   for (const l of solo ? [] : lights) words.push(`--light=${list([...l.position, ...scale(l.colour, l.watts)])}`);
   words.push(...ownWords(list));
   if (mode === "direct" || mode === "indirect") words.push(`--part ${mode}`);
+  if ($("blend").checked) words.push("--blend");
   words.push(`--exposure=${shownExposure.toFixed(2)}`);
   $("command").textContent = words.join(" \\\n  ");
   $("degrees").textContent = `${camera.fov.toFixed(1)}\u00b0`;

@@ -72,13 +72,11 @@ function handles() {
 
 // Handles of the lights over the picture, where it is shown.
 function drawHandles() {
-  const [canvas, frame] = [$("handles"), $("frame")];
-  const box = frame.getBoundingClientRect();
+  const canvas = $("handles");
+  const box = canvas.getBoundingClientRect();
   const ratio = devicePixelRatio;
   canvas.width = Math.max(1, box.width * ratio);
   canvas.height = Math.max(1, box.height * ratio);
-  canvas.style.width = `${box.width}px`;
-  canvas.style.height = `${box.height}px`;
   const draw = canvas.getContext("2d");
   draw.scale(ratio, ratio);
   handles().forEach((light) => {
@@ -91,19 +89,26 @@ function drawHandles() {
     draw.fillStyle = css(light.colour);
     draw.fill();
     draw.lineWidth = k === chosen ? 3 : 1.5;
-    draw.strokeStyle = k === chosen ? "#f0a23a" : "#000a";
+    draw.strokeStyle = k === chosen ? "#ffb65c" : "#000c";
     draw.stroke();
     const outside = light.position.some((c, i) => c < start.light_box[0][i] || c > start.light_box[1][i]);
     if (k < 0) {
-      draw.fillStyle = "#fffc";
-      draw.font = "12px system-ui, sans-serif";
-      draw.fillText(light.name, x + 12, y + 4);
+      label(draw, light.name, x, y, "#fff");
     } else if (outside) {
-      draw.fillStyle = "#f0a23a";
-      draw.font = "bold 13px system-ui, sans-serif";
-      draw.fillText("outside the baked box", x + 12, y + 4);
+      label(draw, "outside the baked box", x, y, "#ffb65c");
     }
   });
+}
+
+// Words beside a handle, with a dark edge: any picture may lie under them.
+function label(draw, words, x, y, colour) {
+  draw.font = "bold 13px system-ui, sans-serif";
+  draw.lineJoin = "round";
+  draw.lineWidth = 4;
+  draw.strokeStyle = "#000c";
+  draw.strokeText(words, x + 12, y + 4);
+  draw.fillStyle = colour;
+  draw.fillText(words, x + 12, y + 4);
 }
 
 function lightAt(x, y) {

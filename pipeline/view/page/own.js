@@ -123,7 +123,7 @@ function drawDial() {
   const [x, y] = [far * Math.sin(turn), -far * Math.cos(turn)];
   for (const [key, value] of [["cx", x], ["cy", y]]) $("dial-sun").setAttribute(key, value);
   for (const [key, value] of [["x2", x], ["y2", y]]) $("dial-hand").setAttribute(key, value);
-  $("dial-sun").setAttribute("fill", elevation < 0 ? "#5a5f68" : "#f0a23a");
+  $("dial-sun").setAttribute("fill", elevation < 0 ? "#adb2ba" : "#f0a23a");
   $("azimuth").value = Number(azimuth.toFixed(2));
   $("elevation").value = Number(elevation.toFixed(2));
 }

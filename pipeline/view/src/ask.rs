@@ -11,6 +11,9 @@ pub const LARGEST_SIDE: u32 = 2048;
 /// Most lights of a live picture.
 pub const MOST_LIGHTS: usize = 64;
 
+/// Most camera rays along a side of a live picture's pixel.
+const MOST_SAMPLES: u32 = 8;
+
 /// Name of the suns that a page adds, reserved for them.
 const SUN: &str = "sun";
 
@@ -74,10 +77,21 @@ pub struct Ask {
     /// Exposure in stops; none to have it chosen from the picture.
     #[serde(default)]
     pub exposure: Option<f32>,
+    /// Camera rays a pixel are `aa` x `aa`; more than 1 for a picture at rest, which is given up as soon
+    /// as another question comes.
+    #[serde(default = "one")]
+    pub aa: u32,
+    /// Whether cells are blended where they meet.
+    #[serde(default)]
+    pub blend: bool,
     /// A place in the picture, in pixels from the top left, whose surface point is wanted
     /// instead of a frame.
     #[serde(default)]
     pub pick: Option<[f32; 2]>,
+}
+
+fn one() -> u32 {
+    1
 }
 
 impl Ask {
@@ -92,6 +106,11 @@ impl Ask {
         }
         if ask.lights.len().max(ask.suns.len()) > MOST_LIGHTS {
             return Err(format!("a live picture has at most {MOST_LIGHTS} lights"));
+        }
+        if !(1..=MOST_SAMPLES).contains(&ask.aa) {
+            return Err(format!(
+                "a live picture has 1 to {MOST_SAMPLES} camera rays along each side of a pixel"
+            ));
         }
         if ask.exposure.is_some_and(|ev| !ev.is_finite()) {
             return Err("the exposure is not finite".into());
@@ -170,6 +189,8 @@ mod tests {
             ("\"mode\":\"cells\"", "\"mode\":\"x\""),
             ("\"mode\":\"cells\"", "\"file\":\"/etc/passwd\""),
             ("\"mode\":\"cells\"", "\"exposure\":1e39"),
+            ("\"mode\":\"cells\"", "\"aa\":0"),
+            ("\"mode\":\"cells\"", "\"aa\":9"),
         ];
         for (good, bad) in bad {
             let text = GOOD.replace(good, bad);

@@ -7,8 +7,8 @@ use crate::show::Show;
 use crate::socket::{Ended, Socket};
 use glam::Vec3;
 use rrf_metrics::tone::Exposure;
-use rrf_render::{Frame, FrameStage, Part, RenderOptions, Renderer};
-use rrf_trace::{Hits, Rays};
+use rrf_render::{Frame, FrameStage, Part, RenderError, RenderOptions, Renderer};
+use rrf_trace::{Hits, Rays, TraceError};
 use serde_json::{Value, json};
 use std::time::Instant;
 
@@ -29,32 +29,40 @@ pub fn serve(show: &Show, socket: &mut Socket) -> Result<(), Ended> {
             socket.tell(&json!({ "id": ask.id, "picked": pick(show, &ask, at) }))?;
             continue;
         }
-        match answer(show, &renderers, &ask, (&mut frame, &mut lamps)) {
-            Ok((facts, bytes)) => {
+        // a picture at rest may take seconds: a question that comes meanwhile is more urgent
+        let waits = || ask.aa > 1 && socket.has_question();
+        match answer(show, &renderers, &ask, &waits, (&mut frame, &mut lamps)) {
+            Ok(Some((facts, bytes))) => {
                 socket.tell(&facts)?;
                 socket.send(bytes)?;
             }
+            Ok(None) => socket.tell(&json!({ "id": ask.id, "dropped": true }))?,
             Err(error) => socket.tell(&json!({ "id": ask.id, "error": error }))?,
         }
     }
 }
 
-/// The frame asked for, as facts and as bytes.
+/// The frame asked for, as facts and as bytes; none if it was given up because `halt` said so.
 fn answer(
     show: &Show,
     [dark, lit]: &[Renderer; 2],
     ask: &Ask,
+    halt: &(dyn Fn() -> bool + Sync),
     (frame, lamps): (&mut Frame, &mut DimmedLamps),
-) -> Result<(Value, Vec<u8>), String> {
+) -> Result<Option<(Value, Vec<u8>)>, String> {
     let start = Instant::now();
     let lights = show.own.lights(ask)?;
     let options = RenderOptions {
         area_lights: lamps.under(&show.own, &lights),
-        ..options(show, ask.mode)
+        halt: Some(halt),
+        ..options(show, ask)
     };
     let renderer = if lights.area { lit } else { dark };
-    let rendered = renderer.render(&ask.view(), &lights, &options, frame);
-    let timings = rendered.map_err(|error| error.to_string())?;
+    let timings = match renderer.render(&ask.view(), &lights, &options, frame) {
+        Ok(timings) => timings,
+        Err(RenderError::Trace(TraceError::Halted)) => return Ok(None),
+        Err(error) => return Err(error.to_string()),
+    };
     let rendered = start.elapsed();
     let exposure = exposure(ask, frame);
     let bytes = pixels::shown(frame, ask.mode, exposure);
@@ -63,24 +71,27 @@ fn answer(
     let facts = json!({
         "id": ask.id,
         "size": [frame.width, frame.height],
+        "aa": ask.aa,
         "render_ms": 1e3 * rendered.as_secs_f64(),
         "frame_ms": 1e3 * start.elapsed().as_secs_f64(),
         "thread_ms": thread_ms,
         "exposure": exposure.ev,
         "warnings": show.warnings(ask, &lights),
     });
-    Ok((facts, bytes))
+    Ok(Some((facts, bytes)))
 }
 
 /// Options of a layer's frame.
-pub fn options<'a>(show: &Show<'a>, mode: ShownLayer) -> RenderOptions<'a> {
+pub fn options<'a>(show: &Show<'a>, ask: &Ask) -> RenderOptions<'a> {
     RenderOptions {
-        part: match mode {
+        part: match ask.mode {
             ShownLayer::Full => Part::Full,
             ShownLayer::Direct => Part::Direct,
             _ => Part::Indirect,
         },
-        trusted: (mode == ShownLayer::Trust).then_some(show.trusted),
+        aa: ask.aa,
+        trusted: (ask.mode == ShownLayer::Trust).then_some(show.trusted),
+        borders: show.borders.filter(|_| ask.blend),
         ..RenderOptions::default()
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::ask::Ask;
 use crate::own::{OwnLights, sun_rows};
-use rrf_field::Field;
+use rrf_field::{Borders, Field};
 use rrf_lights::DistantLight;
 use rrf_render::{Lights, Renderer, Surroundings, Trusted, View};
 use rrf_scene::PointLight;
@@ -27,6 +27,8 @@ pub struct Show<'a> {
     pub model: ShownModel<'a>,
     /// Whether mirrors, glass and other narrow lobes are traced, since the model does not know them.
     pub traces_narrow: bool,
+    /// Borders of its cells, where they can be blended.
+    pub borders: Option<&'a Borders>,
     /// Which rows nets were trained for.
     pub trusted: &'a Trusted<'a>,
     /// The view that a page starts with.
@@ -79,6 +81,7 @@ impl<'a> Show<'a> {
             "suns": sun_rows(&self.suns),
             "own": self.own.rows(),
             "own_on": self.own.on,
+            "blends": self.borders.is_some(),
             "light_box": self.surroundings.light_box.map(|corner| corner.to_array()),
             "bounds": [low, high],
             "cells": match self.model {

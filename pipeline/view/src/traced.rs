@@ -8,7 +8,7 @@ use crate::show::Show;
 use crate::socket::{Ended, Socket};
 use glam::Vec3;
 use rayon::ThreadPool;
-use rrf_metrics::{MetricsError, Picture, compare};
+use rrf_metrics::{MetricsError, Picture, compare_noisy};
 use rrf_render::{Frame, Lights, Part, PathOptions, RenderError, RenderOptions, trace_frame};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -25,8 +25,8 @@ const SEED: u64 = 1;
 enum Question {
     /// Begin with this view.
     Begin(Box<serde_json::value::RawValue>),
-    /// Another pass.
-    Next,
+    /// Another pass, shown with this exposure in stops; none to have it chosen.
+    Next(Option<f32>),
 }
 
 /// A view's picture by the nets, and the sum of its traced passes.
@@ -34,9 +34,8 @@ struct Work {
     ask: Ask,
     lights: Lights,
     nets: Frame,
-    sum: Vec<Vec3>,
-    /// Sum of the squared relative noise of the passes.
-    noise: f64,
+    /// Sums of every fourth pass: four independent pictures.
+    sums: [Vec<Vec3>; 4],
     passes: u32,
     seconds: f64,
 }
@@ -48,7 +47,11 @@ pub fn serve(show: &Show, pool: &ThreadPool, socket: &mut Socket) -> Result<(), 
         let question = socket.ask()?;
         let begun = match serde_json::from_str(&question) {
             Ok(Question::Begin(ask)) => begin(show, ask.get()).map(|begun| work = Some(begun)),
-            Ok(Question::Next) => Ok(()),
+            Ok(Question::Next(ev)) if ev.is_none_or(f32::is_finite) => {
+                work.iter_mut().for_each(|work| work.ask.exposure = ev);
+                Ok(())
+            }
+            Ok(Question::Next(_)) => Err("the exposure is not finite".into()),
             Err(error) => Err(error.to_string()),
         };
         let told = begun.and_then(|()| {
@@ -78,17 +81,16 @@ fn begin(show: &Show, ask: &str) -> Result<Work, String> {
     let mut lamps = DimmedLamps::default();
     let options = RenderOptions {
         area_lights: lamps.under(&show.own, &lights),
-        ..options(show, ask.mode)
+        ..options(show, &ask)
     };
     renderer
         .render(&ask.view(), &lights, &options, &mut nets)
         .map_err(|e| e.to_string())?;
     Ok(Work {
-        sum: vec![Vec3::ZERO; nets.full.len()],
+        sums: [0; 4].map(|_| vec![Vec3::ZERO; nets.full.len()]),
         ask,
         lights,
         nets,
-        noise: 0.0,
         passes: 0,
         seconds: 0.0,
     })
@@ -104,49 +106,54 @@ impl Work {
             seed: SEED + u64::from(self.passes),
         };
         let frame = trace_frame(show.tracer(lights.area), &view, lights, paths, &|_| {})?;
-        let part = match options(show, self.ask.mode).part {
+        let part = match options(show, &self.ask).part {
             Part::Full => Some(&frame.full),
             Part::Direct => frame.direct.as_ref(),
             Part::Indirect => frame.indirect.as_ref(),
         };
-        for (sum, value) in self.sum.iter_mut().zip(part.into_iter().flatten()) {
+        let sums = &mut self.sums[self.passes as usize % 4];
+        for (sum, value) in sums.iter_mut().zip(part.into_iter().flatten()) {
             *sum += *value;
         }
-        let noise = frame
-            .attributes
-            .iter()
-            .find(|(name, _)| name == "rrf.relative_noise");
-        let noise = noise.and_then(|(_, noise)| noise.parse::<f64>().ok());
-        self.noise += noise.unwrap_or(0.0).powi(2);
         self.passes += 1;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(())
     }
 
-    /// The traced picture and the difference, and how far apart they are; the perceptual
-    /// measures take long, and so only after 1, 2, 4, 8 ... passes.
-    fn tell(&self) -> Result<(Value, [Vec<u8>; 2]), MetricsError> {
-        let mean = 1.0 / self.passes.max(1) as f32;
-        let truth = Picture {
-            pixels: self.sum.iter().map(|&sum| mean * sum).collect(),
+    /// The means of the four sums, which have as many passes each.
+    fn parts(&self) -> [Picture; 4] {
+        let mean = 4.0 / self.passes.max(4) as f32;
+        self.sums.each_ref().map(|sum| Picture {
+            pixels: sum.iter().map(|&sum| mean * sum).collect(),
             ..self.nets.picture()
+        })
+    }
+
+    /// The traced picture and the difference, and how far apart they are; the perceptual
+    /// measures take long, and so only after 4, 8, 16 ... passes.
+    fn tell(&self) -> Result<(Value, [Vec<u8>; 2]), MetricsError> {
+        let nets = self.nets.picture();
+        let mean = 1.0 / self.passes.max(1) as f32;
+        let [a, b, c, d] = &self.sums;
+        let pixels = (0..a.len()).map(|i| mean * (a[i] + b[i] + c[i] + d[i]));
+        let truth = Picture {
+            pixels: pixels.collect(),
+            ..nets
         };
         let exposure = exposure(&self.ask, &self.nets);
-        let measures = match self.passes.is_power_of_two() {
-            true => Some(compare(&truth, &self.nets.picture(), Some(exposure))?.measures),
+        let measures = match self.passes >= 4 && self.passes.is_power_of_two() {
+            true => Some(compare_noisy(&self.parts(), &nets, exposure)?),
             false => None,
         };
-        let passes = f64::from(self.passes.max(1));
         let facts = json!({
             "id": self.ask.id,
             "size": [truth.width, truth.height],
             "paths": PASS * self.passes,
             "seconds": self.seconds,
-            "relative_noise": self.noise.sqrt() / passes,
             "full_difference": pixels::FULL_DIFFERENCE,
             "measures": measures,
         });
-        let difference = pixels::difference(&truth, &self.nets.picture());
+        let difference = pixels::difference(&truth, &nets);
         Ok((
             facts,
             [pixels::exposed(&truth.pixels, exposure), difference],

@@ -187,6 +187,7 @@ pub fn frame(args: &RenderArgs, baked: &Baked) -> anyhow::Result<Option<Frame>> 
             .nets()
             .filter(|_| args.blend)
             .map(|nets| &nets.borders),
+        halt: None,
     };
     let model = baked.ready(&unlit)?;
     let renderer = model.renderer(tracer);

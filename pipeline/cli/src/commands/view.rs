@@ -76,6 +76,7 @@ pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
             ReadyModel::Transfer(book) => ShownModel::Transfer(book),
         },
         traces_narrow: baked.traces_narrow(),
+        borders: baked.nets().map(|nets| &nets.borders),
         trusted: &|rows| baked.trusted(rows),
         view: start,
         lights,

@@ -3,7 +3,7 @@
 use super::pair::{FrameMetric, mean};
 
 /// Added to the squared reference (Rousselle, Knaus, Zwicker 2011).
-const EPSILON: f64 = 0.01;
+pub(crate) const EPSILON: f64 = 0.01;
 
 /// Relative mean square error.
 pub(super) const METRIC: FrameMetric = FrameMetric {

@@ -23,7 +23,7 @@ use job::{Job, Work};
 use layers::Layers;
 use rayon::prelude::*;
 use rrf_field::Field;
-use rrf_trace::Tracer;
+use rrf_trace::{TraceError, Tracer};
 use rrf_transfer::LightBook;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
@@ -105,7 +105,11 @@ impl<'a> Renderer<'a> {
                 let mut work = self.idle().pop().unwrap_or_default();
                 work.watch = Stopwatch::default();
                 let mut tiles = Tile::of_band(view.width, view.height, number as u32);
-                let done = tiles.try_for_each(|tile| job.shade(&mut work, tile, &mut band));
+                let done =
+                    tiles.try_for_each(|tile| match options.halt.is_some_and(|halt| halt()) {
+                        true => Err(TraceError::Halted.into()),
+                        false => job.shade(&mut work, tile, &mut band),
+                    });
                 let timings = work.watch.timings;
                 self.idle().push(work);
                 done.map(|()| timings)
