@@ -1,6 +1,7 @@
 //! Progress where no terminal shows bars: a line a minute.
 
 use crate::clock::{iso, spoken};
+use crate::forecast::Forecast;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
@@ -17,16 +18,25 @@ struct Stage {
     begun: Instant,
 }
 
+/// What a line tells.
+#[derive(Debug, Default)]
+struct State {
+    stage: Option<Stage>,
+    /// Of the bake at work.
+    forecast: Option<Forecast>,
+    is_over: bool,
+}
+
 #[derive(Default)]
 struct Shared {
-    stage: Mutex<(Option<Stage>, bool)>,
+    state: Mutex<State>,
     over: Condvar,
 }
 
 impl Shared {
     /// No thread panics while it holds the lock.
-    fn stage(&self) -> MutexGuard<'_, (Option<Stage>, bool)> {
-        self.stage
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state
             .lock()
             .unwrap_or_else(|poison| poison.into_inner())
     }
@@ -51,9 +61,21 @@ impl Heartbeat {
         }
     }
 
+    /// A bake begins that ends at a relative error of `target`.
+    pub fn begin_bake(&self, target: f64) {
+        self.shared.state().forecast = Some(Forecast::new(target));
+    }
+
+    /// A round of it has ended with a relative error.
+    pub fn evaluated(&self, error: f64) {
+        if let Some(forecast) = &mut self.shared.state().forecast {
+            forecast.add(error);
+        }
+    }
+
     /// A stage begins.
     pub fn begin(&self, name: String, total: u64) {
-        self.shared.stage().0 = Some(Stage {
+        self.shared.state().stage = Some(Stage {
             name,
             total,
             done: 0,
@@ -63,20 +85,20 @@ impl Heartbeat {
 
     /// More of it is done.
     pub fn advance(&self, steps: u64) {
-        if let Some(stage) = &mut self.shared.stage().0 {
+        if let Some(stage) = &mut self.shared.state().stage {
             stage.done += steps;
         }
     }
 
     /// It is over.
     pub fn end(&self) {
-        self.shared.stage().0 = None;
+        self.shared.state().stage = None;
     }
 }
 
 impl Drop for Heartbeat {
     fn drop(&mut self) {
-        self.shared.stage().1 = true;
+        self.shared.state().is_over = true;
         self.shared.over.notify_all();
         if let Some(thread) = self.thread.take() {
             // it prints and ends
@@ -87,14 +109,15 @@ impl Drop for Heartbeat {
 
 fn beat(shared: &Shared, deadline: Option<Instant>) {
     let mut next = Instant::now() + EVERY;
-    let mut held = shared.stage();
-    while !held.1 {
+    let mut held = shared.state();
+    while !held.is_over {
         let wait = next.saturating_duration_since(Instant::now());
         if wait.is_zero() {
             next += EVERY;
-            if let Some(stage) = &held.0 {
+            if let Some(stage) = &held.stage {
                 let left = deadline.map(|end| end.saturating_duration_since(Instant::now()));
-                let line = line(stage, stage.begun.elapsed().as_secs_f64(), left);
+                let whole = [held.forecast.as_ref().and_then(Forecast::left), left];
+                let line = line(stage, stage.begun.elapsed().as_secs_f64(), whole);
                 eprintln!("{} {line}", iso(SystemTime::now()));
             }
             continue;
@@ -106,18 +129,24 @@ fn beat(shared: &Shared, deadline: Option<Instant>) {
     }
 }
 
-/// What a stage has come to after so many seconds.
-fn line(stage: &Stage, seconds: f64, left: Option<Duration>) -> String {
+/// What a stage has come to after so many seconds; the time left for the whole bake, as forecast and as
+/// its limit allows.
+fn line(stage: &Stage, seconds: f64, [forecast, limit]: [Option<Duration>; 2]) -> String {
     let share = stage.done as f64 / stage.total.max(1) as f64;
     let mut line = format!("{}: {:.0} %", stage.name, 100.0 * share);
     if share > 0.0 {
         let stage_left = spoken(seconds * (1.0 / share - 1.0));
         line += &format!(", about {stage_left} left in this stage");
     }
-    if let Some(left) = left {
-        let left = spoken(left.as_secs_f64());
-        line += &format!(", {left} at the most for the whole bake");
-    }
+    let whole = match (forecast, limit) {
+        (Some(forecast), limit) if limit.is_none_or(|limit| forecast < limit) => {
+            ("about ", forecast)
+        }
+        (_, Some(limit)) => ("at most ", limit),
+        _ => return line,
+    };
+    let (about, left) = (whole.0, spoken(whole.1.as_secs_f64()));
+    line += &format!(", {about}{left} left for the whole bake");
     line
 }
 
@@ -133,13 +162,18 @@ mod tests {
             done: 0,
             begun: Instant::now(),
         };
-        assert_eq!(line(&stage, 30.0, None), "train 3: 0 %");
+        assert_eq!(line(&stage, 30.0, [None; 2]), "train 3: 0 %");
         stage.done = 50;
-        let left = Some(Duration::from_secs(7200));
-        assert_eq!(
-            line(&stage, 60.0, left),
-            "train 3: 25 %, about 3 min left in this stage, 2 h 0 min at the most for the whole bake"
-        );
+        let begins = "train 3: 25 %, about 3 min left in this stage";
+        let [short, long] = [600, 7200].map(|seconds| Some(Duration::from_secs(seconds)));
+        for (whole, told) in [
+            ([None, long], ", at most 2 h 0 min left for the whole bake"),
+            ([short, None], ", about 10 min left for the whole bake"),
+            ([short, long], ", about 10 min left for the whole bake"),
+            ([long, short], ", at most 10 min left for the whole bake"),
+        ] {
+            assert_eq!(line(&stage, 60.0, whole), format!("{begins}{told}"));
+        }
     }
 
     #[test]

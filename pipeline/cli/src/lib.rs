@@ -14,6 +14,7 @@ mod commands;
 pub mod embedded;
 mod failure;
 mod film;
+mod forecast;
 mod heartbeat;
 mod memory;
 mod narrow;

@@ -69,6 +69,13 @@ impl Bars {
         }
     }
 
+    /// A bake begins that ends at a relative error of `target`: from its rounds follows how long it will take.
+    pub fn begin_bake(&self, target: f32) {
+        if let Some(lines) = &self.lines {
+            lines.begin_bake(target.into());
+        }
+    }
+
     /// Stores what changed, where the run has an address.
     pub fn push(&self) -> Result<(), RemoteError> {
         self.place.as_ref().map_or(Ok(()), RunLocation::push)
@@ -115,6 +122,9 @@ impl Watch for Bars {
     }
 
     fn evaluated(&self, round: u32, evaluation: &Evaluation) {
+        if let Some(lines) = &self.lines {
+            lines.evaluated(evaluation.error().0);
+        }
         if !self.quiet {
             let (error, se) = evaluation.error();
             println!(

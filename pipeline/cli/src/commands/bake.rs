@@ -22,6 +22,7 @@ use std::time::Instant;
 pub fn bake(args: &BakeArgs, quiet: bool) -> anyhow::Result<()> {
     let watching = |location| {
         let bars = Bars::new(quiet || args.json, &args.bounds)?;
+        bars.begin_bake(args.settings.target);
         Ok(Box::new(bars.keeping(location)) as Box<dyn Watch>)
     };
     if args.settings.method == Method::Transfer {

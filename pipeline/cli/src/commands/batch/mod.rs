@@ -118,6 +118,7 @@ impl Work<'_> {
         let (folder, scene) = (job.folder.clone(), job.scene.clone());
         let mut outcome = Outcome::without_work(folder, scene, done, String::new());
         let start = Instant::now();
+        self.watch.begin_bake(job.config.target);
         let watch = RunWatch::new(&self.watch, job, &self.log, self.args.json);
         let result = job.load().and_then(|scene| {
             Run::renew(&job.folder, &scene, &job.config)?;
