@@ -134,6 +134,11 @@ docs/images/view.png: build python $(VENV)/installed
 	RRF=$(abspath $(RRF)) RRF_RUN=$(OUT)/run RRF_SCREENSHOT=$@ \
 		$(VENV)/bin/python -m pytest -q tests/python/test_view.py -k screenshot
 
+# the README's room under a moving sun
+docs/images/salon-sun.webp: build python
+	test -d $(OUT)/run || $(MAKE) demo
+	RRF=$(abspath $(RRF)) $(VENV)/bin/python docs/images/sun.py $(OUT)/run $@
+
 # the small run that the notebooks look at, and all of them executed
 define EXECUTE
 RRF=$(abspath $(RRF)) sh notebooks/demo.sh out/notebooks

@@ -47,7 +47,8 @@ def command_line(rrf):
 
 
 def cell(text):
-    return str(text).replace("|", "\\|").replace("\n", " ")
+    """Text in a cell of a table, where a < would begin a tag."""
+    return str(text).replace("|", "\\|").replace("\n", " ").replace("<", "&lt;")
 
 
 def table_page(path):
@@ -94,7 +95,7 @@ def inputs():
         "|---|---|---|---|",
     ]
     for one in schema["input"]:
-        formula = f"`{cell(one['formula'])}`" if one.get("formula") else ""
+        formula = f"`{one['formula']}`" if one.get("formula") else ""
         lines.append(f"| `{one['name']}` | {cell(one['unit'])} | {cell(one['meaning'])} | {formula} |")
     return "\n".join(lines) + "\n"
 

@@ -3,11 +3,15 @@
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
 import duckdb
+import numpy as np
+import pyarrow as pa
 import pyarrow.dataset as ds
+import pyarrow.parquet as pq
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -61,6 +65,33 @@ def test_links_lead_somewhere(page):
         assert path.exists(), target
         if anchor and path.suffix == ".md":
             assert anchor in anchors(path), f"{target}#{anchor}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=identifier)
+def test_no_text_is_taken_for_a_tag(page):
+    """Outside of code a < followed by a letter is HTML, and swallows what follows."""
+    text = re.sub(r"```.*?```|`[^`\n]*`|<!--.*?-->", "", page.read_text(), flags=re.DOTALL)
+    lines = [line for line in text.splitlines() if not line.startswith("    ")]
+    assert re.findall(r"<[A-Za-z][^>]*>", "\n".join(lines)) == []
+
+
+def sentences(page):
+    """The sentences of a page's paragraphs, as words; code, tables and headings left out."""
+    kept = [line for line in page.read_text().splitlines() if not re.match(r" {4}|[|#!]|```", line)]
+    text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", "\n".join(kept))
+    for paragraph in re.split(r"\n\s*\n", re.sub(r"`[^`]*`", "CODE", text)):
+        for sentence in re.split(r"(?<=[.:?!])\s+(?=[A-Z*`])", paragraph):
+            if words := re.findall(r"[\w./%-]*\w[\w./%-]*", sentence):
+                yield words
+
+
+def test_the_readme_is_short_and_its_sentences_too():
+    page = ROOT / "README.md"
+    assert len(page.read_text().splitlines()) <= 100
+    long = [" ".join(words) for words in sentences(page) if len(words) > 25]
+    assert long == []
+    lengths = [len(words) for words in sentences(page)]
+    assert sum(lengths) / len(lengths) <= 15
 
 
 def test_every_page_is_in_the_summary():
@@ -135,6 +166,81 @@ def test_the_tables_are_read_as_written(first, capsys):
     for program in programs:
         exec(program.replace("out/first", str(first / "first")), {})  # noqa: S102
     assert "cell_id" in capsys.readouterr().out
-    (query,) = re.findall(r"```sql\n(.*?)```", page, re.DOTALL)
-    rows = duckdb.sql(query.replace("out/first", str(first / "first"))).fetchall()
+    subprocess.run([BINARY, "export", first / "first", "--parquet", first / "tables"], check=True)
+    samples, metrics = re.findall(r"```sql\n(.*?)```", page, re.DOTALL)
+    rows = duckdb.sql(samples.replace("out/first", str(first / "first"))).fetchall()
     assert sum(count for _, count in rows) == ds.dataset(first / "first/samples").count_rows() > 0
+    assert duckdb.sql(metrics.replace("out/tables", str(first / "tables"))).fetchall()
+
+
+# commands that other tests run as they are: the page, batches, object stores, the report's program
+ELSEWHERE = re.compile(r"rrf (view|run|inspect|report|chart|sweep)\b|s3://")
+# settings of bakes that take seconds; what is asked for is not what is tried here
+TINY = {"nets": ["--rows", "2000", "--paths", "16", "--rounds", "1", "--cells", "2"], "transfer": ["--rows", "300"]}
+
+
+def points_table(file):
+    """Two points of the Cornell box's floor, seen from above and lit from the middle."""
+    one = dict(zip("px py pz nx ny nz vx vy vz lx ly lz".split(), (0.1, 0, 0.8, 0, 1, 0, 0, 1, 0, 0, 1.5, 0), strict=True))
+    pq.write_table(pa.table({name: np.full(2, value, np.float32) for name, value in one.items()}), file)
+
+
+def filled(command, folder):
+    """A command with files in place of its placeholders, at a size that takes seconds."""
+    scene, run = ROOT / "scenes/cornell-box/scene.pbrt", folder / "first"
+    bakes = re.search(r"\brrf (bake|plan SCENE)", command)
+    command = re.sub(r"\[[^\]]*\]", "", command.split("     ")[0])
+    places = {
+        "SCENE": scene, "room.glb": ROOT / "scenes/salon/salon.glb", "sky.exr": ROOT / "scenes/salon/sky.exr",
+        "RUN": folder / "new" if bakes else run, "P": folder / "points.parquet", "points.parquet": folder / "points.parquet",
+        "A.exr": folder / "frame.exr", "B.exr": folder / "traced.exr", "camera.csv": folder / "camera.csv",
+        "OUT": folder / "out.parquet", "F": folder / "nets.onnx", "F.exr": folder / "F.exr", "FRAMES": folder / "frames",
+        "x0,y0,z0,x1,y1,z1": "-1,0.5,-1,1,2,1", "out/room": folder / ("baked" if bakes else "room"), "out/first": run, "out/tables": folder / "copies",
+    }
+    words = command.split()[1:]
+    words = [str(places.get(word, word)) for word in words]
+    words = [str(folder / word) if re.fullmatch(r"\w+\.(png|exr|parquet)", word) else word for word in words]
+    words = ["8" if before == "--spp" else "24x16" if before == "--size" else word for before, word in zip(["", *words], words)]
+    if words[0] in ("render", "trace") and "--size" not in words and "--points" not in words:
+        words += ["--size", "24x16"]
+    if bakes:
+        words += TINY["transfer" if "transfer" in words else "nets"]
+    return [BINARY, "--quiet", *words]
+
+
+@pytest.mark.parametrize("page", ["README.md", *(f"docs/guide/{name}.md" for name in ("frames", "lights", "mirrors-and-glass", "tables", "batch", "install"))])
+def test_the_commands_of_a_page_run(page, first):
+    """In their order, cut down; what a command needs has been left by the first bake."""
+    points_table(first / "points.parquet")
+    (first / "camera.csv").write_text("eye_x,eye_y,eye_z,target_x,target_y,target_z,fov\n0,1,3,0,1,0,40\n0,1,2.9,0,1,0,40\n")
+    ran = 0
+    for command in commands(ROOT / page):
+        if ELSEWHERE.search(command):
+            continue
+        for old in ("new", "baked"):
+            shutil.rmtree(first / old, ignore_errors=True)
+        # frames of a path make a folder of their own
+        shutil.rmtree(first / "frames", ignore_errors=True)
+        done = subprocess.run(filled(command, first), cwd=ROOT, capture_output=True, text=True)
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+        ran += 1
+    assert ran
+
+
+def test_the_tasks_of_a_bake_run_one_by_one(tmp_path):
+    """The four commands of the page, with the tasks of a round between the second and the third."""
+    plan, task, missing, commit = commands(ROOT / "docs/reference/tasks.md")
+    folder = tmp_path / "run"
+
+    def run(command, *more):
+        scene = ROOT / "scenes/cornell-box/scene.pbrt"
+        words = command.replace("[settings]", "").replace("SCENE", str(scene)).replace("RUN", str(folder)).split("  ")[0]
+        done = subprocess.run([BINARY, *words.split()[1:], *more], capture_output=True, text=True)
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+        return done.stdout
+
+    run(plan, *TINY["nets"], "--light-box=-0.6,1.3,-0.6,0.6,1.8,0.6")
+    while left := re.findall(r"^\d+$", run(missing), re.MULTILINE):
+        run(re.sub(r"--index \d+", f"--index {left[0]}", task))
+    run(commit)
+    assert (folder / "model/weights.arrow").stat().st_size > 0

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a round costs that has very many cells: the figures of docs/guide/batch.md.
+"""What a round costs that has very many cells: the figures of docs/science/scale.md.
 
 Blows the first plan of the Cornell box up to that many cells, each with a draw of its own, and
 measures by CPU time: the table of tasks, one task of each stage, the list of what is missing.
