@@ -1,6 +1,6 @@
 """A baked frame against path tracing with Intel's Open Image Denoise (OIDN): the rival that users would pick.
 
-    .venv-peers/bin/python tests/peers/denoised.py RUN [--light x,y,z,r,g,b] [--size WxH] [--paths 1,2,...] [--json OUT]
+    .venv-peers/bin/python tests/peers/denoised.py RUN [--light x,y,z,r,g,b] [--size WxH] [--paths 2,4,...] [--json OUT]
 
 The rival is the stronger of two: exact direct light, and only the indirect light of N paths a pixel denoised, with
 albedo and normals as guides. Its direct light is the baked frame's own, at no cost. OIDN runs on the CPU at its
@@ -91,7 +91,7 @@ def main():
     parser.add_argument("--light", help="a point light in place of the scene's own lights")
     parser.add_argument("--size", default="256x256")
     parser.add_argument("--time-size", help="size of the frames whose time is taken; --size unless given")
-    parser.add_argument("--paths", default="1,2,4,8,16,32,64,128,256")
+    parser.add_argument("--paths", default="2,4,8,16,32,64,128,256")
     parser.add_argument("--spp", type=int, default=2048, help="paths a pixel of each reference")
     parser.add_argument("--json", type=pathlib.Path)
     options = parser.parse_args()

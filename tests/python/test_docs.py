@@ -200,7 +200,7 @@ def filled(command, folder):
     words = command.split()[1:]
     words = [str(places.get(word, word)) for word in words]
     words = [str(folder / word) if re.fullmatch(r"\w+\.(png|exr|parquet)", word) else word for word in words]
-    words = ["8" if before == "--spp" else "24x16" if before == "--size" else word for before, word in zip(["", *words], words)]
+    words = ["16" if before == "--spp" else "24x16" if before == "--size" else word for before, word in zip(["", *words], words)]
     if words[0] in ("render", "trace") and "--size" not in words and "--points" not in words:
         words += ["--size", "24x16"]
     if bakes:
@@ -208,7 +208,7 @@ def filled(command, folder):
     return [BINARY, "--quiet", *words]
 
 
-@pytest.mark.parametrize("page", ["README.md", *(f"docs/guide/{name}.md" for name in ("frames", "lights", "mirrors-and-glass", "tables", "batch", "install"))])
+@pytest.mark.parametrize("page", ["README.md", *(f"docs/guide/{name}.md" for name in ("frames", "lights", "mirrors-and-glass", "own-scene", "tables", "batch", "install"))])
 def test_the_commands_of_a_page_run(page, first):
     """In their order, cut down; what a command needs has been left by the first bake."""
     points_table(first / "points.parquet")
