@@ -168,7 +168,10 @@ impl Baked {
 
     /// Whether the light of narrow parts is traced, since the model was made without it.
     pub fn traces_narrow(&self) -> bool {
-        self.nets().is_some_and(|nets| nets.traces_narrow)
+        match &self.model {
+            BakedModel::Nets(nets) => nets.traces_narrow,
+            BakedModel::Transfer(model) => model.broad,
+        }
     }
 
     /// Whether the nets were trained for each of the rows, and well enough. A transfer says so of

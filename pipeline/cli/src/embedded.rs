@@ -5,7 +5,8 @@
 
 use crate::args::BakeArgs;
 use crate::baked::Baked;
-use crate::commands::{Command, bake, query, render, trace};
+use crate::commands::query::{self, Asking};
+use crate::commands::{Command, bake, render, trace};
 use crate::progress::Bars;
 use crate::{Cli, failure};
 use arrow::array::RecordBatch;
@@ -186,7 +187,16 @@ impl OpenRun {
     pub fn query(&self, rows: RecordBatch, blend: bool) -> Result<RecordBatch, CommandError> {
         let place = Path::new("table");
         let table = points_of(rows, place, Limits::default()).map_err(anyhow::Error::from)?;
-        Ok(query::answer(&self.baked, &table, place, blend)?.batch)
+        Ok(query::answer(
+            &self.baked,
+            &table,
+            place,
+            &Asking {
+                blend,
+                ..Asking::default()
+            },
+        )?
+        .batch)
     }
 
     /// The rows of a points table with `r g b r_se g_se b_se` appended, path traced in the run's scene; `words`

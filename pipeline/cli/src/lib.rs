@@ -17,8 +17,8 @@ mod film;
 mod forecast;
 mod heartbeat;
 mod memory;
-mod narrow;
 mod pictures;
+mod point_rows;
 mod points;
 mod progress;
 mod reach;
@@ -27,7 +27,6 @@ mod run_location;
 mod scene_file;
 mod stats;
 mod table_lights;
-mod transfer_rows;
 mod trust;
 
 use clap::{CommandFactory, FromArgMatches, Parser};

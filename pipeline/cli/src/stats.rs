@@ -65,6 +65,7 @@ pub fn report(clock: &Clock, view: &View, lights: &Lights) -> Value {
         "processor_ms": 1e3 * median(clock.processor.clone()),
         "indirect_ns_per_pixel_and_core": per_pixel(median(of_nets.collect())),
         "followed_rays": followed_rays(clock),
+        "gathered_points": clock.timings.last().map_or(0, |t| t.2),
         "stages": stages.collect::<Vec<Value>>(),
     })
 }

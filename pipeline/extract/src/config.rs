@@ -3,7 +3,7 @@
 use crate::error::ExtractError;
 use crate::first_tree::Weights;
 use crate::region::Region;
-use rrf_scene::Bounds;
+use rrf_scene::{Bounds, Material, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Treatment of the light that a surface's narrow part sends: mirrors, glass, and lobes of a
@@ -19,6 +19,14 @@ pub enum NarrowLight {
 }
 
 impl NarrowLight {
+    /// Returns the treatment in a new run of a scene: traced where it has narrow parts at all.
+    pub fn of(scene: &Scene) -> NarrowLight {
+        match scene.materials.iter().any(Material::may_be_narrow) {
+            true => NarrowLight::Traced,
+            false => NarrowLight::Learned,
+        }
+    }
+
     /// Whether targets hold it.
     pub fn is_learned(&self) -> bool {
         *self == NarrowLight::Learned

@@ -62,6 +62,11 @@ pub struct RenderOptions<'a> {
     /// Final gather: rays that each camera ray sends on from broad surfaces, where direct light and
     /// the model answer in place of the model at the surface itself. 0: none.
     pub gather: u32,
+    /// Rays of a pixel that are gathered where the model is not believed, and go on from surface to
+    /// surface until it is. 0: it is always believed. Nets need [`RenderOptions::trusted`] for it.
+    pub fallback: u32,
+    /// Rays of a pixel into a narrow lobe that is not as sharp as a mirror's; 0 means 4.
+    pub narrow_rays: u32,
     /// Borders of cells, if their nets are to be blended there. Takes the lights one by one.
     pub borders: Option<&'a Borders>,
     /// Asked at every tile whether the frame is still wanted; if it says yes, the frame ends with

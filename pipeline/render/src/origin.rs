@@ -17,6 +17,13 @@ pub(crate) fn of_render(
     attributes.push(attribute("rrf.method", method));
     attributes.push(attribute("rrf.part", options.part.name()));
     attributes.push(attribute("rrf.negative", "Keep"));
+    if options.gather > 0 {
+        attributes.push(attribute("rrf.gather_rays", options.gather));
+    }
+    if options.fallback > 0 {
+        attributes.push(attribute("rrf.fallback", "gathering"));
+        attributes.push(attribute("rrf.fallback_rays_per_pixel", options.fallback));
+    }
     attributes
 }
 

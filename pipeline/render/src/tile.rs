@@ -1,10 +1,10 @@
 //! A tile of the image: its camera rays and what they meet, as columns.
 
-use crate::follow::Carried;
+use crate::follow::{Carried, Lit};
 use crate::view::View;
 use glam::Vec3;
 use rrf_field::columns::{self, Columns};
-use rrf_materials::Bsdf;
+use rrf_materials::{BROAD_ROUGHNESS, Bsdf};
 use rrf_scene::INVALID;
 use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 
@@ -148,10 +148,12 @@ impl VisiblePoints {
         let met = hits.triangle.iter().zip(&hits.barycentrics);
         let rays = rays.direction.iter().zip(carried).zip(&hits.t);
         for (((&direction, &carried), &distance), (&triangle, &at)) in rays.zip(met) {
-            if triangle != INVALID && carried.surface {
+            if triangle != INVALID && carried.surface && carried.is_meant_for(distance) {
                 self.push(tracer, (triangle, at), direction, carried.pixel);
                 self.carried.push(Carried {
                     throughput: carried.throughput * self.left_after(distance),
+                    guide: carried.guide * distance * distance,
+                    length: distance,
                     ..carried
                 });
             }
@@ -159,16 +161,10 @@ impl VisiblePoints {
         self.fill_columns();
     }
 
-    /// Rows of given points, seen from given directions; their pixels count on from `first`.
-    pub fn read_points(
-        &mut self,
-        tracer: &Tracer,
-        points: &[SurfacePoint],
-        viewers: &[Vec3],
-        first: u32,
-    ) {
+    /// Rows of given points, seen from given directions; each counts as a pixel.
+    pub fn read_points(&mut self, tracer: &Tracer, points: &[SurfacePoint], viewers: &[Vec3]) {
         self.clear();
-        for ((pixel, point), &viewer) in (first..).zip(points).zip(viewers) {
+        for ((pixel, point), &viewer) in (0..).zip(points).zip(viewers) {
             let at = (point.triangle, point.barycentrics);
             self.push(tracer, at, -viewer, pixel);
             self.carried.push(Carried::camera(pixel));
@@ -200,6 +196,32 @@ impl VisiblePoints {
         self.viewers.push(-direction);
         self.materials.push(material);
         self.pixel.push(pixel);
+    }
+
+    /// Material of a row as lights that shine on it find it.
+    pub fn under_lights(&self, row: usize) -> Bsdf {
+        let material = self.materials[row];
+        match self
+            .carried
+            .get(row)
+            .map_or(Lit::Whole, |carried| carried.lit)
+        {
+            Lit::Whole => material,
+            Lit::Widened => Bsdf {
+                roughness: material.roughness.max(BROAD_ROUGHNESS),
+                ..material
+            },
+            Lit::Even | Lit::Not => Bsdf::BLACK,
+        }
+    }
+
+    /// Whether lights are asked for at a row.
+    pub fn is_asked(&self, row: usize) -> bool {
+        let lit = self
+            .carried
+            .get(row)
+            .map_or(Lit::Whole, |carried| carried.lit);
+        matches!(lit, Lit::Whole | Lit::Widened)
     }
 
     /// Share of light that is left after a distance up to the last row's surface, if that encloses

@@ -50,11 +50,12 @@ impl FrameStage {
 
 /// Time of each stage of a frame, summed over the threads that worked on it; the wall time of a
 /// frame is about their sum divided by the threads. Beside it the rays that were followed from the
-/// first surface on, from the second and so on.
+/// first surface on, from the second and so on, and the surface points that a fallback gathered over.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTimings(
     pub [Duration; FrameStage::NAMES.len()],
     pub [u64; MOST_FOLLOWED],
+    pub u64,
 );
 
 impl FrameTimings {
@@ -66,6 +67,7 @@ impl FrameTimings {
         for (sum, rays) in self.1.iter_mut().zip(other.1) {
             *sum += rays;
         }
+        self.2 += other.2;
     }
 }
 

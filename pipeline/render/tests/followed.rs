@@ -9,12 +9,12 @@ use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
 use rrf_render::{
-    AreaLights, Frame, FrameTimings, Lights, MOST_FOLLOWED, MetPoints, NarrowQueries, OFF_CENTRE,
-    Part, PathOptions, RenderOptions, Renderer, ShadowRays, View, narrow_light, trace_frame,
+    AreaLights, Frame, FrameTimings, Lights, MOST_FOLLOWED, OFF_CENTRE, Part, PathOptions,
+    RenderOptions, Renderer, ShadowRays, View, trace_frame,
 };
 use rrf_sampling::{Stage, Stream};
 use rrf_scene::{AreaLight, INVALID, Material, PointLight, Scene};
-use rrf_trace::{Queries, Sampling, SurfacePoint, Tracer, broad_indirect, indirect};
+use rrf_trace::{Queries, SurfacePoint, Tracer, indirect};
 use std::f32::consts::PI;
 
 const ALBEDO: Vec3 = Vec3::new(0.8, 0.5, 0.2);
@@ -383,44 +383,57 @@ fn glass_is_invisible_in_even_light() {
     }
 }
 
-/// A query's broad part and what its narrow part shows make up the light that paths find, at points of
-/// a coat, a mirror and a rough metal.
-#[test]
-fn broad_and_narrow_parts_are_the_whole_light() {
+/// Nets that answer 0.
+fn dark() -> Field {
+    let mut model = field().models()[0].clone();
+    model.weights.fill(0.0);
+    Field::new(Tree::single(), vec![model]).unwrap()
+}
+
+/// Points of three squares: a coat, a mirror and a rough metal, under a shade that keeps the light off them.
+fn shaded_room() -> Scene {
     let coat = Material::principled("coat", ALBEDO, 0.15, 0.0, 0.8);
-    let walls = Material::lambert("ceiling", Vec3::splat(0.7));
-    let scene = squares(
+    let walls = Material::lambert("walls", Vec3::splat(0.4));
+    squares(
         &[
             ([-1.2, 0.0], 0.6, 0.0, 0),
             ([0.0, 0.0], 0.6, 0.0, 1),
             ([1.2, 0.0], 0.6, 0.0, 2),
-            ([0.3, 0.2], 3.0, 1.5, 3),
-            ([0.3, 0.2], 5.0, -1.0, 3),
+            ([0.0, 0.0], 2.0, 0.8, 3),
+            ([0.3, 0.2], 4.0, 1.6, 3),
+            ([0.3, 0.2], 4.0, -0.7, 3),
         ],
         vec![coat, metal(0.02), metal(0.22), walls],
         &[],
-    );
+    )
+}
+
+/// Where nothing is believed, what is gathered is the light that paths find: at points of a coat, a mirror and a
+/// rough metal, which follow their narrow part, and of the walls around them.
+#[test]
+fn gathering_without_trust_is_path_tracing() {
+    let scene = shaded_room();
     let tracer = Tracer::new(&scene).unwrap();
-    let light = Vec3::new(0.4, -0.3, 0.9);
+    let light = Vec3::new(0.4, -0.3, 1.2);
     let stream = Stream::new(5, Stage::Test, 0);
-    let points: Vec<SurfacePoint> = (0..24u64)
+    let points: Vec<SurfacePoint> = (0..30u64)
         .map(|i| {
             let u = stream.units(i, 0, 0);
-            let triangle = 2 * (i as u32 % 3) + u32::from(u[2] < 0.5);
+            let triangle = 2 * (i as u32 % 6) + u32::from(u[2] < 0.5);
             tracer.point(triangle, [0.9 * u[0] * (1.0 - u[1]), 0.9 * u[0] * u[1]])
         })
         .collect();
-    let viewers: Vec<Vec3> = (0..24u64)
+    let viewers: Vec<Vec3> = (0..30u64)
         .map(|i| {
             let u = stream.units(i, 1, 0);
-            Vec3::new(u[0] - 0.5, u[1] - 0.5, 0.3 + u[2]).normalize()
+            let up = if i % 6 == 4 { -1.0 } else { 1.0 };
+            Vec3::new(u[0] - 0.5, u[1] - 0.5, up * (0.3 + u[2])).normalize()
         })
         .collect();
-    let lights = vec![light; 24];
     let queries = Queries {
         points: &points,
         viewers: &viewers,
-        lights: &lights,
+        lights: &[light; 30],
     };
     let whole = indirect(
         &tracer,
@@ -431,81 +444,103 @@ fn broad_and_narrow_parts_are_the_whole_light() {
         0,
     )
     .unwrap();
-    let sampling = Sampling {
-        paths: 8192,
-        replicates: 16,
+    let field = dark();
+    let renderer = Renderer::new(&tracer, &field).tracing_narrow(true);
+    let lights = Lights {
+        points: vec![PointLight {
+            position: light,
+            intensity: Vec3::ONE,
+        }],
+        ..Lights::default()
     };
-    let broad = broad_indirect(
-        &tracer,
-        queries,
-        sampling,
-        Stream::new(7, Stage::Test, 0),
-        0,
-    )
-    .unwrap();
-    // sixteen seeds of the narrow part, each with its own paths at the points that are met
-    let narrow: Vec<Vec<Vec3>> = (0..16u32)
+    let nothing = |rows: &Columns| vec![false; rows.len()];
+    let names: Vec<u64> = (0..30).collect();
+    let found: Vec<Vec<Vec3>> = (0..16u64)
         .map(|seed| {
-            let narrow = NarrowQueries {
-                points: &points,
-                viewers: &viewers,
-                rays: 64,
-                seed: 50 + u64::from(seed),
+            let options = RenderOptions {
+                trusted: Some(&nothing),
+                fallback: 1024,
+                narrow_rays: 64,
+                shadow_rays: Some(ShadowRays {
+                    count: 1,
+                    seed: 50 + seed,
+                    ..ShadowRays::default()
+                }),
+                ..RenderOptions::default()
             };
-            narrow_light(&tracer, narrow, &mut |met| {
-                Ok(answer(&tracer, met, light, seed))
-            })
-            .unwrap()
+            let answers = renderer.at_points(&points, &viewers, &names, &lights, &options);
+            answers.unwrap().radiance
         })
         .collect();
     let mut worst = 0.0f64;
-    for query in 0..24 {
-        let whole_mean = level(whole.mean(query));
-        let whole_error = level(whole.standard_error(query));
-        let broad_mean = level(broad.mean(query));
-        let broad_error = level(broad.standard_error(query));
-        let seeds: Vec<f64> = narrow.iter().map(|of| level(of[query])).collect();
-        let mean = seeds.iter().sum::<f64>() / 16.0;
-        let squares = seeds.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 240.0;
-        let error = (whole_error.powi(2) + broad_error.powi(2) + squares).sqrt();
-        // the centre of a mirror's lobe stands for the lobe: a thousandth
-        let error = error.hypot(1e-3 * whole_mean);
-        let z = (mean + broad_mean - whole_mean) / error;
-        worst = worst.max(z.abs());
+    for query in 0..30 {
+        let mean = level(whole.mean(query));
+        let error = level(whole.standard_error(query));
+        let seeds: Vec<f64> = found.iter().map(|of| level(of[query])).collect();
+        let gathered = seeds.iter().sum::<f64>() / 16.0;
+        let squares = seeds.iter().map(|x| (x - gathered).powi(2)).sum::<f64>() / 240.0;
+        // the centre of a mirror's lobe stands for the lobe, and walls of 0.4 leave out what comes after eight
+        // surfaces: a thousandth each
+        let error = (error.powi(2) + squares).sqrt().hypot(2e-3 * mean);
+        worst = worst.max(((gathered - mean) / error).abs());
     }
-    // 24 of t with 15 degrees of freedom and more, at 1e-4 for each: 5.2
+    // 30 of t with 15 degrees of freedom and more, at 1e-4 for each: 5.2
     assert!(worst < 5.2, "z {worst}");
 }
 
-/// Direct light of 1 W/sr and paths for the rest, at points of any material.
-fn answer(tracer: &Tracer, met: &MetPoints, light: Vec3, seed: u32) -> Vec<Vec3> {
-    let lights = vec![light; met.points.len()];
-    let queries = Queries {
-        points: met.points,
-        viewers: met.viewers,
-        lights: &lights,
+/// Points that are asked about are what pixels show that see them, to the bit: model, narrow parts and what is
+/// gathered where the model is not believed.
+#[test]
+fn points_are_what_pixels_show() {
+    let scene = shaded_room();
+    let tracer = Tracer::new(&scene).unwrap();
+    let view = View::look_at(
+        Vec3::new(-0.9, 0.1, 0.6),
+        Vec3::new(0.2, 0.0, 0.0),
+        Vec3::Z,
+        70.0,
+        [24, 16],
+    );
+    let lights = Lights {
+        points: vec![point_light([0.4, -0.3, 1.2])],
+        ..Lights::default()
     };
-    let sampling = Sampling {
-        paths: 16,
-        replicates: 2,
+    let trusted = |rows: &Columns| rows.columns[columns::P].iter().map(|&x| x > 0.0).collect();
+    let options = RenderOptions {
+        part: Part::Indirect,
+        trusted: Some(&trusted),
+        fallback: 8,
+        ..RenderOptions::default()
     };
-    let stream = Stream::new(8, Stage::Test, seed);
-    let paths = broad_indirect(tracer, queries, sampling, stream, 0).unwrap();
-    let (mut rays, mut blocked) = (rrf_trace::Rays::default(), Vec::new());
-    for (point, &viewer) in met.points.iter().zip(met.viewers) {
-        let origin = tracer.lift(point.triangle, point.position, viewer);
-        rays.push(origin, light - origin, 1.0);
+    let (frame, timings) = frame_of(&tracer, &view, &lights, &options);
+    let (mut rays, mut hits) = (rrf_trace::Rays::default(), rrf_trace::Hits::default());
+    for pixel in 0..24 * 16 {
+        let [dx, dy] = OFF_CENTRE;
+        let (x, y) = ((pixel % 24) as f32, (pixel / 24) as f32);
+        let direction = view.direction(x + 0.5 + dx, y + 0.5 + dy);
+        rays.push(view.eye, direction, f32::INFINITY);
     }
-    tracer.occluded(&rays, &mut blocked);
-    let value = |row: usize| {
-        let (point, viewer) = (&met.points[row], met.viewers[row]);
-        let to = light - point.position;
-        let faces = point.normal.dot(to) * point.normal.dot(viewer) > 0.0;
-        if blocked[row] || !faces {
-            return paths.mean(row);
-        }
-        let (normal, material) = tracer.shading_at(point, viewer);
-        paths.mean(row) + material.eval(normal, viewer, to.normalize()) / to.length_squared()
-    };
-    (0..met.points.len()).map(value).collect()
+    tracer.closest(&rays, &mut hits);
+    let names: Vec<u64> = (0..24 * 16)
+        .filter(|&i| hits.triangle[i as usize] != INVALID)
+        .collect();
+    let pick = |i: &u64| tracer.point(hits.triangle[*i as usize], hits.barycentrics[*i as usize]);
+    let points: Vec<SurfacePoint> = names.iter().map(pick).collect();
+    let viewers: Vec<Vec3> = (names.iter())
+        .map(|&i| -rays.direction[i as usize])
+        .collect();
+    let field = field();
+    let renderer = Renderer::new(&tracer, &field).tracing_narrow(true);
+    let answers = renderer.at_points(&points, &viewers, &names, &lights, &options);
+    let answers = answers.unwrap();
+    let (cells, trust) = (frame.cell.unwrap(), frame.trust.unwrap());
+    for (k, &i) in names.iter().enumerate() {
+        let i = i as usize;
+        assert_eq!(answers.radiance[k], frame.full[i]);
+        assert_eq!((answers.cells[k], answers.trust[k]), (cells[i], trust[i]));
+    }
+    assert!(names.len() > 150 && timings.2 > 100, "{}", timings.2);
+    // paths that go on until they are believed are believed
+    let partly = trust.iter().filter(|&&t| t > 0.3 && t < 0.99).count();
+    assert!(partly < trust.len() / 10, "{partly}");
 }

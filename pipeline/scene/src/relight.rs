@@ -24,7 +24,8 @@ impl Scene {
         }
     }
 
-    fn is_lamp(&self, triangle: usize) -> bool {
+    /// Whether a triangle only shines, so that [`Scene::unlit`] leaves it out.
+    pub fn is_lamp(&self, triangle: usize) -> bool {
         let material = &self.materials[self.triangle_material[triangle] as usize];
         self.triangle_light[triangle] != INVALID && Bsdf::of(material).is_black()
     }

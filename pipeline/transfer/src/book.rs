@@ -4,19 +4,22 @@
 //! coefficients; one that moves costs its shadow rays.
 
 use crate::TransferError;
+use crate::bright::{BrightPatches, powers};
 use crate::irradiance::Receivers;
 use crate::lights::DirectLight;
 use crate::model::{LightCoefficients, TransferAnswer, TransferModel};
+use crate::patches::Patches;
 use crate::query::TransferQuery;
 use crate::rows::RowPoint;
 use crate::sources::{
     FlatMirrors, Lamp, SourceLight, WhiteLamp, fingerprint, in_white, white_lamps,
 };
-use crate::tracing::{Stream, Tracer};
+use crate::tracing::{Bsdf, Stream, SurfacePoint, Tracer};
 use glam::Vec3;
 use rrf_lights::LightSource;
 use rrf_sampling::Stage;
 use rrf_scene::Scene;
+use std::f32::consts::FRAC_1_PI;
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// Lights that are kept at the most: moving ones leave one a frame.
@@ -28,6 +31,8 @@ struct KnownLight {
     coefficients: LightCoefficients,
     /// [`TransferModel::residual`].
     residual: f32,
+    /// Irradiance of every column [W/m²].
+    irradiance: Vec<Vec3>,
 }
 
 /// A model's lights.
@@ -56,6 +61,8 @@ pub struct LitTransfer<'a> {
     /// Largest residual of any of them.
     pub residual: f32,
     shining: Vec<(Shining, Vec3)>,
+    /// Irradiance of every column [W/m²].
+    irradiance: Vec<Vec3>,
 }
 
 impl<'a> LightBook<'a> {
@@ -96,6 +103,7 @@ impl<'a> LightBook<'a> {
             coefficients: self.dark.clone(),
             residual: 0.0,
             shining: Vec::new(),
+            irradiance: vec![Vec3::ZERO; self.model.patches.columns()],
         };
         for source in sources {
             let (white, colour) = in_white(source);
@@ -133,6 +141,7 @@ impl<'a> LightBook<'a> {
         let irradiance = self.receivers.irradiance(&self.mirrors.of(light()));
         let (coefficients, residual) = self.model.known(&irradiance)?;
         let known = Arc::new(KnownLight {
+            irradiance,
             coefficients,
             residual,
         });
@@ -150,19 +159,64 @@ impl<'a> LightBook<'a> {
     }
 }
 
-impl LitTransfer<'_> {
+impl<'a> LitTransfer<'a> {
     fn add(&mut self, light: Shining, colour: Vec3, known: &KnownLight) {
         if colour == Vec3::ZERO {
             return;
         }
         self.coefficients.add_scaled(&known.coefficients, colour);
         self.residual = self.residual.max(known.residual);
+        let columns = self.irradiance.iter_mut().zip(&known.irradiance);
+        columns.for_each(|(sum, own)| *sum += *own * colour);
         self.shining.push((light, colour));
+    }
+
+    /// Radiance [W/(sr m²)] that a point sends to its viewer of the light that reaches its patch straight or
+    /// by way of a flat mirror, taken as even over the patch, as rows take it; `bsdf` is its material. None where
+    /// no row has seen the patch, so that its light was not asked for.
+    pub fn sent(&self, point: &SurfacePoint, query: &TransferQuery, bsdf: &Bsdf) -> Option<Vec3> {
+        let model = self.book.model;
+        let (patch, n) = (model.patches.patch(point)?, query.shading);
+        let first = model.patches.first_column(patch, query.surface.back) as usize;
+        let count = model.patches.directions(patch);
+        let columns = first..first + (count * count) as usize;
+        if !model.used.get(columns.clone())?.contains(&true) {
+            return None;
+        }
+        if count == 1 {
+            let facing = query.facing();
+            let [base, constant] = model.reflectances.at(query.surface.material, facing);
+            let albedo = query.base_color * base + constant;
+            return Some(albedo * self.irradiance[first] * FRAC_1_PI);
+        }
+        let cells = (0..).zip(&self.irradiance[columns]);
+        let lit = cells.filter(|(_, e)| **e != Vec3::ZERO).map(|(cell, &e)| {
+            let l = model.patches.middle_direction(patch, n, cell);
+            bsdf.eval(n, query.viewer, l) * e / n.dot(l).max(f32::MIN_POSITIVE)
+        });
+        Some(lit.sum())
+    }
+
+    /// The model's patches.
+    pub fn patches(&self) -> &'a Patches {
+        &self.book.model.patches
+    }
+
+    /// Patches by the light that reaches them; none where all is dark.
+    pub fn bright(&self) -> Option<BrightPatches<'a>> {
+        let patches = &self.book.model.patches;
+        BrightPatches::new(patches, &powers(patches, &self.irradiance))
     }
 
     /// Indirect radiance of points by the model, without what flat mirrors add.
     pub fn evaluate(&self, queries: &[TransferQuery]) -> Vec<TransferAnswer> {
         self.book.model.evaluate(&self.coefficients, queries)
+    }
+
+    /// Whether a place on a surface of that normal lies on a flat mirror: what it throws straight on
+    /// others is in [`LitTransfer::by_mirrors`].
+    pub fn is_on_mirror(&self, position: Vec3, normal: Vec3) -> bool {
+        self.book.mirrors.has(position, normal)
     }
 
     /// Radiance [W/(sr m²)] that rows send by way of a flat mirror and their own surface, which no
@@ -177,7 +231,10 @@ impl LitTransfer<'_> {
                 Shining::Source(source) => Box::new(SourceLight::new(source, self.book.stream)),
                 Shining::Lamp(lamp) => Box::new(lamp),
             };
-            let own = self.book.mirrors.at_rows_in(tracer, &light, rows, first);
+            let own =
+                self.book
+                    .mirrors
+                    .at_rows_in(tracer, self.book.model.broad, &light, rows, first);
             sum.iter_mut()
                 .zip(own)
                 .for_each(|(sum, own)| *sum += own * *colour);

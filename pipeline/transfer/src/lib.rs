@@ -21,6 +21,7 @@
 
 mod bake;
 mod book;
+mod bright;
 mod columns;
 mod ensemble;
 mod entry;
@@ -32,6 +33,7 @@ mod patches;
 mod query;
 mod reflectance;
 mod regression;
+mod row_config;
 mod rows;
 mod sources;
 mod svd;
@@ -42,6 +44,7 @@ pub use bake::{
     CellChoice, PointDraw, TransferConfig, TransferStage, TransferWatch, bake_transfer,
 };
 pub use book::{LightBook, LitTransfer};
+pub use bright::{BrightPatches, BrightPlace};
 pub use columns::ColumnTree;
 pub use ensemble::{Ensemble, RelativeWeights, radiances};
 pub use entry::Entry;
@@ -58,7 +61,8 @@ pub use patches::{PatchConfig, PatchPoint, PatchSizes, Patches, SizeField};
 pub use query::{SurfaceKey, TransferQuery};
 pub use reflectance::{COSINES, Reflectances};
 pub use regression::{LocalConfig, NetConfig, RowTable};
-pub use rows::{RowConfig, RowPoint, TransferRows, trace_rows};
+pub use row_config::RowConfig;
+pub use rows::{RowPoint, TransferRows, trace_rows};
 pub use sources::{
     ConditionPlan, FlatMirrors, Lamp, LightConditions, Mirrored, SourceLight, finer_near_lamps,
     in_white, named_light,

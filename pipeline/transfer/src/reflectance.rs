@@ -8,7 +8,7 @@
 use crate::tracing::{Bsdf, Table, scramble};
 use glam::Vec3;
 use rayon::prelude::*;
-use rrf_scene::Scene;
+use rrf_scene::{Material, Scene};
 
 /// Cosines at which albedos are tabulated, from 0 to 1.
 pub const COSINES: usize = 33;
@@ -31,14 +31,14 @@ pub struct Reflectances {
 }
 
 impl Reflectances {
-    /// Integrates every material of a scene, textures left out.
-    pub fn new(scene: &Scene) -> Reflectances {
+    /// Integrates every material of a scene, or its broad part alone, textures left out.
+    pub fn new(scene: &Scene, broad: bool) -> Reflectances {
         let table = Table::new(DIRECTIONS);
         let albedos = (0..scene.materials.len() * COSINES).into_par_iter();
         let albedo = |i: usize| {
-            let bsdf = Bsdf::of(&scene.materials[i / COSINES]);
+            let bsdf = answered(&scene.materials[i / COSINES], broad);
             let cosine = (i % COSINES) as f32 / (COSINES - 1) as f32;
-            albedo(&bsdf, cosine.max(0.01), &table)
+            bsdf.map_or([0.0; 2], |bsdf| albedo(&bsdf, cosine.max(0.01), &table))
         };
         Reflectances {
             albedos: albedos.map(albedo).collect(),
@@ -64,6 +64,15 @@ impl Reflectances {
         let own = self.albedos.get(first..first + COSINES);
         own.is_some_and(|own| own.iter().any(|a| a[part] > LEAST))
     }
+}
+
+/// What rows are of a material; of one whose textures may give it a broad part, all of it.
+fn answered(material: &Material, broad: bool) -> Option<Bsdf> {
+    let whole = Bsdf::of(material);
+    if !broad {
+        return Some(whole);
+    }
+    whole.broad().or(material.varies().then_some(whole))
 }
 
 /// Mean of f cos / pdf, by the material's own sampler, for the two parts.

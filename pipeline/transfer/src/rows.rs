@@ -11,6 +11,7 @@
 use crate::TransferError;
 use crate::entry::{Entry, HalfRow};
 use crate::patches::Patches;
+use crate::row_config::RowConfig;
 use crate::tracing::{Stream, SurfacePoint, Tracer};
 use crate::walk::{Start, Walker};
 use glam::Vec3;
@@ -44,25 +45,6 @@ pub struct TransferRows {
     pub distance: Vec<f32>,
 }
 
-/// How rows are made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RowConfig {
-    /// Paths a row, both halves together.
-    pub paths: u32,
-    /// From its second reflection on, a path goes on with this times its throughput, relative to
-    /// the first one, as its probability (at most 1).
-    pub keep: f32,
-}
-
-impl Default for RowConfig {
-    fn default() -> RowConfig {
-        RowConfig {
-            paths: 512,
-            keep: 1.5,
-        }
-    }
-}
-
 /// Traces the rows of points. Row i draws its numbers at index `first_index + i` of the stream,
 /// whatever the batch that it stands in.
 pub fn trace_rows(
@@ -93,7 +75,7 @@ pub fn trace_rows(
     let parts: Vec<Vec<HalfRow>> = starts
         .par_chunks(at_once)
         .map_init(
-            || Walker::new(tracer, patches, stream, config.keep, each),
+            || Walker::new(tracer, patches, stream, config, each),
             |walker, starts| walker.rows(starts),
         )
         .collect();

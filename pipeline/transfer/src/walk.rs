@@ -2,6 +2,7 @@
 
 use crate::entry::{Entry, HalfRow};
 use crate::patches::Patches;
+use crate::row_config::RowConfig;
 use crate::tracing::{
     self, DIMENSIONS, Hits, Rays, Scramble, Stream, SurfacePoint, Table, Tracer, scramble,
 };
@@ -46,7 +47,7 @@ pub(crate) struct Walker<'a> {
     tracer: &'a Tracer<'a>,
     patches: &'a Patches,
     stream: Stream,
-    keep: f32,
+    config: RowConfig,
     /// Paths a half.
     each: usize,
     table: Table,
@@ -66,14 +67,14 @@ impl<'a> Walker<'a> {
         tracer: &'a Tracer<'a>,
         patches: &'a Patches,
         stream: Stream,
-        keep: f32,
+        config: &RowConfig,
         each: usize,
     ) -> Walker<'a> {
         Walker {
             tracer,
             patches,
             stream,
-            keep,
+            config: *config,
             each,
             table: Table::new(each),
             paths: Vec::new(),
@@ -120,6 +121,12 @@ impl<'a> Walker<'a> {
                 start.point.normal
             };
             let (n, bsdf) = self.tracer.shading_at(&start.point, start.viewer);
+            let Some(bsdf) = (match self.config.broad {
+                true => bsdf.broad(),
+                false => Some(bsdf),
+            }) else {
+                continue;
+            };
             for number in 0..self.each as u32 {
                 let u = self.numbers(start, &scrambles[id], number, 0);
                 let step = tracing::first_step(&bsdf, n, start.viewer, [u[0], u[1], u[2]]);
@@ -200,7 +207,7 @@ impl<'a> Walker<'a> {
                 self.deposit(&path, column, weight * (directions / PI));
             }
             let throughput = path.throughput * weight.max_element();
-            let keep = self.keep * rrf_sampling::roulette_tail(bounce);
+            let keep = self.config.keep * rrf_sampling::roulette_tail(bounce);
             let survival = (keep * throughput / path.first).min(1.0);
             if u[3] >= survival || throughput < f32::MIN_POSITIVE {
                 continue;

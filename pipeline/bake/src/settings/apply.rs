@@ -3,7 +3,7 @@
 use super::{BakeConfig, Hidden, Method, Settings};
 use crate::error::BakeError;
 use rrf_extract::{ExtractError, NarrowLight, Region};
-use rrf_scene::{Material, Scene};
+use rrf_scene::Scene;
 use rrf_train::{Kind, Size, TrainConfig};
 
 /// Hidden units of the net for the whole scene.
@@ -30,10 +30,7 @@ impl Settings {
         config.light_units = self.scene.light_units;
         config.sky = self.scene.sky_option();
         config.extract.eye_box = self.eye_box;
-        config.extract.narrow = match scene.materials.iter().any(Material::may_be_narrow) {
-            true => NarrowLight::Traced,
-            false => NarrowLight::Learned,
-        };
+        config.extract.narrow = NarrowLight::of(scene);
         config.extract.rows = self.rows.unwrap_or(config.extract.rows);
         config.extract.paths = self.paths.unwrap_or(config.extract.paths);
         config.extract.cells = self.cells.unwrap_or(config.extract.cells);

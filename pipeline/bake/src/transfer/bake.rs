@@ -45,7 +45,12 @@ pub fn bake_scene_transfer(
     let unlit = scene.unlit();
     let tracer = Tracer::new(&unlit)?;
     // before anything is written: a folder with a manifest counts as a run
-    let space = FreeSpace::new(&unlit, &tracer, config.eye_box, config.seed)?;
+    let space = FreeSpace::new(
+        &unlit,
+        &tracer,
+        (config.eye_box, config.narrow),
+        config.seed,
+    )?;
     let conditions = conditions(&unlit, &tracer, &space, config)?;
     let run = TransferRun::create(folder, scene, config, resume)?;
     match run.model(&unlit) {

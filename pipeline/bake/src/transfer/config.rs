@@ -2,7 +2,7 @@
 
 use crate::error::BakeError;
 use crate::settings::{Preset, Settings};
-use rrf_extract::{ExtractError, Region};
+use rrf_extract::{ExtractError, NarrowLight, Region};
 use rrf_scene::{LightUnits, LoadOptions, Scene, SkyOption};
 use rrf_transfer::TransferConfig;
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,9 @@ pub struct TransferBakeConfig {
     pub rows: usize,
     /// Paths of a row.
     pub paths: u32,
+    /// Treatment of narrow parts' light. Scenes without narrow parts say nothing of it.
+    #[serde(default, skip_serializing_if = "NarrowLight::is_learned")]
+    pub narrow: NarrowLight,
     /// Further rounds of rows at most.
     pub rounds: u32,
     /// Share of the light that the clusters which a cell reads may leave out.
@@ -79,6 +82,7 @@ impl TransferBakeConfig {
             patches,
             rows,
             paths,
+            narrow: NarrowLight::Learned,
             rounds,
             cluster_error,
             units: plain.net.units,
@@ -100,6 +104,7 @@ impl TransferBakeConfig {
         };
         plan.patches.count = self.patches;
         plan.paths.paths = self.paths;
+        plan.paths.broad = !self.narrow.is_learned();
         plan.net.units = self.units;
         plan.pilot_rows = plan.pilot_rows.min(self.rows);
         plan
@@ -129,6 +134,7 @@ impl Settings {
         config.sky = self.scene.sky_option();
         config.light_box = self.light_box;
         config.eye_box = self.eye_box;
+        config.narrow = NarrowLight::of(scene);
         config.rows = self.rows.map_or(config.rows, |rows| rows as usize);
         config.paths = self.paths.unwrap_or(config.paths);
         if !config.paths.is_multiple_of(2) {

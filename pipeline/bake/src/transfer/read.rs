@@ -22,7 +22,8 @@ const MOST_LEVELS: u32 = 6;
 /// Patches asked for at most.
 const MOST_PATCHES: u32 = 1 << 22;
 
-/// The model of the tables of a run in its scene, without own lights.
+/// The model of the tables of a run in its scene, without own lights; `broad` as in
+/// [`TransferModel`].
 ///
 /// # Errors
 /// [`StoreError::Model`] for tables that form none, or none of this scene.
@@ -30,11 +31,12 @@ pub(super) fn model(
     run: &Path,
     scene: &Scene,
     tables: TransferTables,
+    broad: bool,
 ) -> Result<TransferModel, BakeError> {
     let fault =
         |table, place: String| move |reason: String| transfer_fault(run, table, place, reason);
     let whole = fault(Table::Transfer, "table".into());
-    let mut model = frame(scene, &tables.whole).map_err(whole)?;
+    let mut model = frame(scene, &tables.whole, broad).map_err(whole)?;
     let count = tables.cells.len();
     for (id, row) in (0u32..).zip(tables.cells) {
         let cell = cell(row, id, &model, tables.whole.sketch_rank);
@@ -51,7 +53,7 @@ pub(super) fn model(
 }
 
 /// All but tree and cells.
-fn frame(scene: &Scene, row: &TransferRow) -> Result<TransferModel, String> {
+fn frame(scene: &Scene, row: &TransferRow, broad: bool) -> Result<TransferModel, String> {
     if row.size_levels.iter().any(|&level| level > MOST_LEVELS) {
         return Err(format!("size_levels are above {MOST_LEVELS}"));
     }
@@ -75,7 +77,8 @@ fn frame(scene: &Scene, row: &TransferRow) -> Result<TransferModel, String> {
         directions: row.patch_directions,
         gloss: row.patch_gloss,
     };
-    let model = TransferModel::over(scene, config, sizes).map_err(|error| error.to_string())?;
+    let model = TransferModel::over(scene, config, sizes, broad);
+    let model = model.map_err(|error| error.to_string())?;
     if structure(&model) != row.structure {
         return Err(
             "this program cuts the scene into other patches than the one that baked".into(),

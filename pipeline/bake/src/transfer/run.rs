@@ -109,7 +109,8 @@ impl TransferRun {
     pub fn model(&self, unlit: &Scene) -> Result<(TransferModel, u32), BakeError> {
         let tables = read_transfer(&self.folder, &self.facts())?;
         let lights = tables.whole.lights;
-        Ok((read::model(&self.folder, unlit, tables)?, lights))
+        let broad = !self.config.narrow.is_learned();
+        Ok((read::model(&self.folder, unlit, tables, broad)?, lights))
     }
 }
 

@@ -3,11 +3,11 @@
 use crate::error::BakeError;
 use glam::Vec3;
 use rayon::prelude::*;
-use rrf_extract::{ExtractError, Region, VisibilityQueries};
+use rrf_extract::{ExtractError, NarrowLight, Region, VisibilityQueries};
 use rrf_lights::uniform_sphere;
 use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, Scene};
-use rrf_trace::{Hits, Rays, Tracer};
+use rrf_trace::{Hits, Rays, SurfacePoint, Tracer};
 use rrf_transfer::{PointDraw, RowPoint};
 
 /// Places that eyes look from, at most.
@@ -29,6 +29,7 @@ const BATCH: usize = 4_096;
 pub(super) struct FreeSpace<'a> {
     tracer: &'a Tracer<'a>,
     places: Vec<Vec3>,
+    narrow: NarrowLight,
     stream: Stream,
 }
 
@@ -41,7 +42,7 @@ impl<'a> FreeSpace<'a> {
     pub(super) fn new(
         scene: &Scene,
         tracer: &'a Tracer<'a>,
-        eye_box: Option<Region>,
+        (eye_box, narrow): (Option<Region>, NarrowLight),
         seed: u64,
     ) -> Result<FreeSpace<'a>, BakeError> {
         let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
@@ -53,6 +54,7 @@ impl<'a> FreeSpace<'a> {
         let mut space = FreeSpace {
             tracer,
             places: Vec::new(),
+            narrow,
             stream: Stream::new(seed, Stage::Transfer, 4),
         };
         let region = eye_box.unwrap_or(whole);
@@ -145,6 +147,15 @@ impl<'a> FreeSpace<'a> {
         })
     }
 
+    /// Whether a surface sends no light that a model answers for.
+    fn is_dark(&self, point: &SurfacePoint) -> bool {
+        let material = self.tracer.material_at(point);
+        match self.narrow {
+            NarrowLight::Learned => material.is_black(),
+            NarrowLight::Traced => material.broad().is_none_or(|broad| broad.is_black()),
+        }
+    }
+
     /// What the eyes see by some numbers of the sequence.
     fn seen(&self, first: u64, count: usize) -> Vec<RowPoint> {
         let (mut rays, mut hits) = (Rays::default(), Hits::default());
@@ -160,7 +171,7 @@ impl<'a> FreeSpace<'a> {
             let point = self.tracer.point(hits.triangle[i], hits.barycentrics[i]);
             let viewer = -rays.direction[i];
             let is_grazing = point.normal.dot(viewer).abs() <= GRAZING;
-            let is_dark = || self.tracer.material_at(&point).is_black();
+            let is_dark = || self.is_dark(&point);
             (!is_grazing && !is_dark()).then_some(RowPoint { point, viewer })
         };
         let met = (0..count).filter(|&i| hits.triangle[i] != INVALID);

@@ -15,7 +15,7 @@ use rrf_transfer::{PartFit, TransferModel};
 
 fn made(scene: &Scene, unlit: &Scene, config: &TransferBakeConfig) -> (TransferModel, u32) {
     let tracer = Tracer::new(unlit).unwrap();
-    let space = FreeSpace::new(unlit, &tracer, None, config.seed).unwrap();
+    let space = FreeSpace::new(unlit, &tracer, (None, config.narrow), config.seed).unwrap();
     let lights = conditions(unlit, &tracer, &space, config).unwrap();
     make(scene, &space, &lights, config, &()).unwrap()
 }
@@ -44,7 +44,7 @@ fn models_come_back_to_the_bit() {
     write_transfer(folder.path(), &written, &facts).unwrap();
     let tables_read = read_transfer(folder.path(), &facts).unwrap();
     assert_eq!(tables_read, written);
-    let back = read(folder.path(), &unlit, tables_read).unwrap();
+    let back = read(folder.path(), &unlit, tables_read, false).unwrap();
     assert_eq!(tables(&back, lights), written);
     let parts = |model: TransferModel| {
         (
@@ -76,7 +76,7 @@ fn tables_that_form_no_model_are_refused() {
     let (model, lights) = made(&scene, &unlit, &config);
     let good = tables(&model, lights);
     let run = std::path::Path::new("run");
-    read(run, &unlit, good.clone()).unwrap();
+    read(run, &unlit, good.clone(), false).unwrap();
     let last = good.nodes.len() as u32;
     let branch = good.nodes.iter().position(|n| n.axis >= 0).unwrap();
     let net = good.parts.iter().position(|p| p.kind == "net").unwrap();
@@ -120,7 +120,7 @@ fn tables_that_form_no_model_are_refused() {
     for (expected, change) in changes {
         let mut tables = good.clone();
         change(&mut tables);
-        let Err(error) = read(run, &unlit, tables) else {
+        let Err(error) = read(run, &unlit, tables, false) else {
             panic!("{expected}: it is taken");
         };
         let error = error.to_string();

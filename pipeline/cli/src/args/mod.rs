@@ -2,10 +2,12 @@
 
 mod bake;
 mod camera;
+mod gather;
 mod parse;
 
 pub use bake::*;
 pub use camera::*;
+pub use gather::*;
 
 use clap::Args;
 

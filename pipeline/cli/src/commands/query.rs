@@ -1,15 +1,16 @@
 //! `rrf query`: the model at the rows of a points table.
 
 use super::render::NO_BLEND;
-use crate::args::TrustArgs;
-use crate::baked::{Baked, BakedNets, ReadyModel};
+use crate::args::{Fallback, GatherArgs, TrustArgs};
+use crate::baked::{Baked, BakedModel, BakedNets, ReadyModel};
 use crate::failure::BadInput;
-use crate::transfer_rows::{self, RowAnswers};
-use crate::{narrow, points};
+use crate::point_rows::{self, RowAnswers};
+use crate::points;
 use arrow::array::{ArrayRef, BooleanArray, Float32Array, RecordBatch, UInt32Array};
 use clap::Args;
 use rrf_extract::{PointClass, VisibilityQueries};
 use rrf_field::columns::{self, Columns};
+use rrf_render::RenderOptions;
 use rrf_scene::Scene;
 use rrf_store::Limits;
 use rrf_store::points::{PointsTable, check_ending, read_points, with_columns, write_batch};
@@ -35,9 +36,29 @@ pub struct QueryArgs {
     /// their borders do not show.
     #[arg(long)]
     pub blend: bool,
+    /// Rays in place of the model's answers.
+    #[command(flatten)]
+    pub gather: GatherArgs,
+    /// Rays of a row of --fallback gather.
+    #[arg(long, value_name = "N", default_value_t = FALLBACK_RAYS, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub fallback_spp: u32,
     /// Which cells are believed.
     #[command(flatten)]
     pub trust: TrustArgs,
+}
+
+/// Rays of a row where the model is not trusted.
+const FALLBACK_RAYS: u32 = 1024;
+
+/// How a table is answered.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Asking {
+    /// Blend neighbouring nets.
+    pub blend: bool,
+    /// Rays of a row by final gather; 0 for none.
+    pub gather: u32,
+    /// Rays of a row that is not trusted, or none; by default what is usual for the method.
+    pub fallback: Option<u32>,
 }
 
 /// Reads the table, evaluates the model, writes the table with `r g b cell_id trusted` appended.
@@ -45,7 +66,8 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     check_ending(&args.output)?;
     let baked = Baked::open(&args.run, args.trust.trust_error)?;
     let table = read_points(&args.points, Limits::default())?;
-    let Answered { batch, untrusted } = answer(&baked, &table, &args.points, args.blend)?;
+    let Answered { batch, untrusted } =
+        answer(&baked, &table, &args.points, &asking(args, &baked)?)?;
     write_batch(&args.output, Table::Answers, &batch)?;
     println!(
         "{} rows, {untrusted} of them not trusted: outside what the model was trained on, or in a cell with an \
@@ -54,6 +76,27 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
         100.0 * args.trust.trust_error
     );
     Ok(())
+}
+
+fn asking(args: &QueryArgs, baked: &Baked) -> Result<Asking, BadInput> {
+    let usual = match baked.model {
+        BakedModel::Nets(_) => Fallback::None,
+        BakedModel::Transfer(_) => Fallback::Gather,
+    };
+    let fallback = match args.gather.fallback.unwrap_or(usual) {
+        Fallback::None => 0,
+        Fallback::Gather => args.fallback_spp,
+        Fallback::Trace => {
+            let told =
+                "--fallback trace: a query gathers; `rrf trace --points` path-traces a table";
+            return Err(BadInput(told.into()));
+        }
+    };
+    Ok(Asking {
+        blend: args.blend,
+        gather: args.gather.gather,
+        fallback: Some(fallback),
+    })
 }
 
 /// A table with the model's answers.
@@ -69,27 +112,35 @@ pub fn answer(
     baked: &Baked,
     table: &PointsTable,
     place: &Path,
-    blend: bool,
+    asking: &Asking,
 ) -> anyhow::Result<Answered> {
     let scene = &baked.unlit;
     let tracer = Tracer::new(scene)?;
     let located = points::locate(&tracer, table, place)?;
+    let usual = match baked.model {
+        BakedModel::Nets(_) => 0,
+        BakedModel::Transfer(_) => FALLBACK_RAYS,
+    };
+    let fallback = asking.fallback.unwrap_or(usual);
     let RowAnswers {
         mut radiance,
         cells,
         trusted,
     } = match baked.ready(&tracer)? {
-        ReadyModel::Nets(nets) => {
+        ReadyModel::Nets(nets) if fallback + asking.gather == 0 && !baked.traces_narrow() => {
             let rows = points::rows(&tracer, table, &located);
-            let mut answers = by_nets(blend, baked, nets, &rows)?;
-            if baked.traces_narrow() {
-                narrow::complete(baked, nets, &tracer, (table, &located), &mut answers)?;
-            }
-            answers
+            by_nets(asking.blend, baked, nets, &rows)?
         }
-        ReadyModel::Transfer(_) if blend => return Err(BadInput(NO_BLEND.into()).into()),
-        ReadyModel::Transfer(book) => {
-            transfer_rows::answer(&book, baked, &tracer, (table, &located), place)?
+        ReadyModel::Transfer(_) if asking.blend => return Err(BadInput(NO_BLEND.into()).into()),
+        model => {
+            let nets = baked.nets().filter(|_| asking.blend);
+            let options = RenderOptions {
+                gather: asking.gather,
+                fallback,
+                borders: nets.map(|nets| &nets.borders),
+                ..RenderOptions::default()
+            };
+            point_rows::answer(&model, baked, &tracer, (table, &located), place, &options)?
         }
     };
     darken_sealed(scene, &tracer, &located, table, &mut radiance);

@@ -1,6 +1,6 @@
 //! `rrf render`: frames by the baked nets.
 
-use crate::args::{TrustArgs, ViewArgs};
+use crate::args::{Fallback, GatherArgs, TrustArgs, ViewArgs};
 use crate::baked::{Baked, ReadyModel};
 use crate::failure::BadInput;
 use crate::film::{Film, FrameFormat};
@@ -32,6 +32,10 @@ const SMALL: u32 = 48;
 /// Why a transfer's cells are not blended.
 pub(super) const NO_BLEND: &str =
     "--blend: is for runs of nets; cells of a transfer are not blended";
+/// Rays of a pixel that is not trusted, by gathering.
+const FALLBACK_RAYS: u32 = 64;
+/// Paths of a pixel and light that is not trusted, by path tracing.
+const FALLBACK_PATHS: u32 = 256;
 /// Different warnings that are said in full.
 const MOST_WARNINGS: usize = 10;
 
@@ -70,10 +74,13 @@ pub struct RenderArgs {
     /// Choice of a light for each shadow ray.
     #[arg(long, value_enum, default_value_t = LightSampling::Adaptive)]
     pub light_sampling: LightSampling,
-    /// Final gather: N rays from each broad surface, where direct light and the nets answer in place of
-    /// the nets at the surface itself. Smaller errors for more time.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=4096))]
-    pub gather: u32,
+    /// Rays in place of the model's answers.
+    #[command(flatten)]
+    pub gather: GatherArgs,
+    /// Rays of a pixel of --fallback gather, 64 unless given; paths of a pixel and light of --fallback
+    /// trace, 256 unless given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub fallback_spp: Option<u32>,
     /// Render also what is refused otherwise: an eye or a light inside a solid, a light on a
     /// surface.
     #[arg(long)]
@@ -88,12 +95,6 @@ pub struct RenderArgs {
     /// Which cells are believed.
     #[command(flatten)]
     pub trust: TrustArgs,
-    /// Treatment of pixels that are not trusted.
-    #[arg(long, value_enum, default_value_t = Fallback::None, conflicts_with_all = ["json_stats", "path"])]
-    pub fallback: Fallback,
-    /// Paths a pixel and light of --fallback trace.
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..))]
-    pub fallback_spp: u32,
     /// Paint pixels that are not trusted red, by the share of their samples.
     #[arg(long, conflicts_with_all = ["json_stats", "path"])]
     pub show_trust: bool,
@@ -113,15 +114,6 @@ pub enum LightSampling {
     Adaptive,
     /// All alike.
     Uniform,
-}
-
-/// Treatment of pixels that are not trusted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Fallback {
-    /// The nets are believed.
-    None,
-    /// They are path-traced.
-    Trace,
 }
 
 /// Renders the view and writes it, or every frame of a path; with `--frames` again and again, to
@@ -154,6 +146,11 @@ pub fn frame(args: &RenderArgs, baked: &Baked) -> anyhow::Result<Option<Frame>> 
     if args.blend && baked.nets().is_none() {
         return Err(BadInput(NO_BLEND.into()).into());
     }
+    let fallback = args.gather.fallback.unwrap_or(Fallback::None);
+    if fallback == Fallback::Trace && (args.path.is_some() || args.json_stats.is_some()) {
+        let told = "--fallback trace: is for single frames, without --path and --json-stats";
+        return Err(BadInput(told.into()).into());
+    }
     let shots = shots(args, baked)?;
     crate::memory::check_frame(shots[0].view.width, shots[0].view.height)?;
     let lights = &shots[0].lights;
@@ -180,9 +177,15 @@ pub fn frame(args: &RenderArgs, baked: &Baked) -> anyhow::Result<Option<Frame>> 
         area_lights: area_lights.as_ref(),
         shadow_rays: shadow_rays(args),
         noise: None,
-        // asks again for every row: not where time is measured
-        trusted: (film.is_none() && args.json_stats.is_none()).then_some(&trusted),
-        gather: args.gather,
+        // nets are asked again for every row: not where time is measured
+        trusted: (film.is_none() && args.json_stats.is_none() || fallback == Fallback::Gather)
+            .then_some(&trusted),
+        gather: args.gather.gather,
+        fallback: match fallback {
+            Fallback::Gather => args.fallback_spp.unwrap_or(FALLBACK_RAYS),
+            _ => 0,
+        },
+        narrow_rays: 0,
         borders: baked
             .nets()
             .filter(|_| args.blend)
@@ -215,10 +218,10 @@ pub fn frame(args: &RenderArgs, baked: &Baked) -> anyhow::Result<Option<Frame>> 
         film.finish()?;
         return Ok(None);
     }
-    if args.fallback == Fallback::Trace {
+    if fallback == Fallback::Trace {
         let Shot { view, lights } = &shots[0];
         let options = PathOptions {
-            spp: args.fallback_spp,
+            spp: args.fallback_spp.unwrap_or(FALLBACK_PATHS),
             aa: args.view.aa,
             seed: baked.manifest.seed,
         };

@@ -93,6 +93,10 @@ impl<'f> SampledLights<'f> {
         material: &Bsdf,
         reach: &mut Vec<f32>,
     ) {
+        if !seen.is_asked(row) {
+            reach.extend(std::iter::repeat_n(0.0, self.groups()));
+            return;
+        }
         let (point, v, normal) = (&seen.points[row], seen.viewers[row], seen.normals[row]);
         let side = seen.side(row);
         let base = luminance(material.base_color).max(LEAST_BASE) / std::f32::consts::PI;

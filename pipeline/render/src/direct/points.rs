@@ -58,9 +58,8 @@ impl PointLighting {
     fn arrive_from(&mut self, tracer: &Tracer, seen: &VisiblePoints, light: &LightSource) {
         self.rays.clear();
         self.arriving.clear();
-        let surface = seen.points.iter().zip(&seen.normals);
-        let surface = surface.zip(seen.viewers.iter().zip(&seen.materials));
-        for (row, ((point, &normal), (&v, material))) in (0u32..).zip(surface) {
+        let surface = seen.points.iter().zip(&seen.normals).zip(&seen.viewers);
+        for (row, ((point, &normal), &v)) in surface.enumerate() {
             let Some(arrival) = light.sample(point.position, [0.5; 2]) else {
                 continue;
             };
@@ -68,11 +67,11 @@ impl PointLighting {
             if point.normal.dot(l) * point.normal.dot(v) <= 0.0 {
                 continue;
             }
-            let radiance = arrival.irradiance * material.eval(normal, v, l);
+            let radiance = arrival.irradiance * seen.under_lights(row).eval(normal, v, l);
             if radiance == Vec3::ZERO {
                 continue;
             }
-            self.arriving.push((row, radiance));
+            self.arriving.push((row as u32, radiance));
             let origin = tracer.lift(point.triangle, point.position, v);
             match light.position() {
                 Some(position) => self.rays.push(origin, position - origin, 1.0),
@@ -85,9 +84,8 @@ impl PointLighting {
     fn arrive(&mut self, tracer: &Tracer, seen: &VisiblePoints, light: &PointLight) {
         self.rays.clear();
         self.arriving.clear();
-        let surface = seen.points.iter().zip(&seen.normals);
-        let surface = surface.zip(seen.viewers.iter().zip(&seen.materials));
-        for (row, ((point, &normal), (&v, material))) in (0u32..).zip(surface) {
+        let surface = seen.points.iter().zip(&seen.normals).zip(&seen.viewers);
+        for (row, ((point, &normal), &v)) in surface.enumerate() {
             let to = light.position - point.position;
             // Light passes no surface: light and viewer are on the same side of the triangle.
             if point.normal.dot(to) * point.normal.dot(v) <= 0.0 {
@@ -97,11 +95,12 @@ impl PointLighting {
             if squared < f32::MIN_POSITIVE {
                 continue;
             }
-            let value = material.eval(normal, v, to / squared.sqrt());
+            let value = (seen.under_lights(row)).eval(normal, v, to / squared.sqrt());
             if value == Vec3::ZERO {
                 continue;
             }
-            self.arriving.push((row, light.intensity * value / squared));
+            self.arriving
+                .push((row as u32, light.intensity * value / squared));
             let origin = tracer.lift(point.triangle, point.position, v);
             self.rays.push(origin, light.position - origin, 1.0);
         }

@@ -1,11 +1,14 @@
 //! Surface points as shadow rays see them: what they ask lights for, and how many rays they are worth.
 
 use super::groups::{End, SampledLights};
-use crate::follow::FollowedPart;
+use crate::follow::{FollowedPart, Lit};
 use crate::tile::VisiblePoints;
 use glam::Vec3;
 use rrf_materials::Bsdf;
 use rrf_metrics::color::luminance;
+
+/// Shadow rays of a round, at most, of surfaces that are gathered from near by.
+const BESIDE: u32 = 8;
 
 /// Rows to be lit.
 #[derive(Clone, Copy)]
@@ -20,15 +23,17 @@ pub(crate) struct Rows<'a> {
 }
 
 impl Rows<'_> {
+    /// The part of a row whose rays bring emission.
     fn followed(&self, row: usize) -> Option<&FollowedPart> {
-        self.followed.get(row)?.as_ref()
+        let part = self.followed.get(row)?.as_ref();
+        part.filter(|part| part.brings_emission())
     }
 
     /// The part of a row's material that asks for lights.
-    pub(super) fn asking(&self, row: usize) -> &Bsdf {
+    pub(super) fn asking(&self, row: usize) -> Bsdf {
         match self.followed(row) {
-            Some(part) if part.is_sharp => part.rest.as_ref().unwrap_or(&Bsdf::BLACK),
-            _ => &self.seen.materials[row],
+            Some(part) if part.is_sharp => part.rest.unwrap_or(Bsdf::BLACK),
+            _ => self.seen.under_lights(row),
         }
     }
 
@@ -40,7 +45,7 @@ impl Rows<'_> {
                 let density = SampledLights::shadow_density(level, all());
                 part.value_beside_rays((normal, v, l), density)
             }
-            _ => self.seen.materials[row].eval(normal, v, l),
+            _ => self.seen.under_lights(row).eval(normal, v, l),
         }
     }
 
@@ -54,8 +59,11 @@ impl Rows<'_> {
 
     /// As many of `rays` as a row's throughput is worth.
     pub(super) fn worth(&self, row: usize, rays: u32) -> u32 {
+        let lit = self.seen.carried.get(row).map(|carried| carried.lit);
         match self.depth {
             0 => rays,
+            // gathered beside the surface that it lights: few rays would leave grain
+            _ if lit == Some(Lit::Widened) => rays.min(BESIDE),
             _ => ((rays as f32 * self.throughput(row)).ceil() as u32).clamp(rays.min(1), rays),
         }
     }

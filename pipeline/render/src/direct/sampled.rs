@@ -142,7 +142,7 @@ impl SampledLighting {
         };
         self.reach.clear();
         for row in 0..count {
-            lights.reach(seen, row, rows.asking(row), &mut self.reach);
+            lights.reach(seen, row, &rows.asking(row), &mut self.reach);
         }
         self.learned.begin(seen, lights.groups(), width);
         self.counts

@@ -2,6 +2,25 @@
 
 use glam::Vec3;
 
+/// Share of the distance by which a ray may meet a surface before or behind the place that it is meant for.
+const ON_TARGET: f32 = 1e-3;
+
+/// How the surface that a ray meets is lit straight from the lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lit {
+    /// As it is.
+    Whole,
+    /// With its narrow lobes widened: what it throws on the broad surface that sent the ray is a
+    /// caustic, which rays meet too seldom (path space regularization: Kaplanyan and Dachsbacher
+    /// 2013).
+    Widened,
+    /// By the light of its patch, taken as even, as the model takes it: it is farther away than the patch is
+    /// wide.
+    Even,
+    /// Not at all: the model has what this flat mirror throws straight on others.
+    Not,
+}
+
 /// What a ray carries from the camera on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Carried {
@@ -19,6 +38,15 @@ pub(crate) struct Carried {
     /// Whether the surface that it meets is shaded; otherwise it brings the emission of a lamp at the
     /// most.
     pub(crate) surface: bool,
+    /// How that surface is lit.
+    pub(crate) lit: Lit,
+    /// Rays to bright patches a square radian, over the ray's own density; once it met a surface, times
+    /// the squared distance: what [`super::MetPatches::density`] is weighed with.
+    pub(crate) guide: f32,
+    /// Distance of the bright patch that it is meant for; 0 for other rays.
+    pub(crate) target: f32,
+    /// Distance that it travelled.
+    pub(crate) length: f32,
 }
 
 impl Carried {
@@ -31,7 +59,16 @@ impl Carried {
             rival: 0.0,
             far: Vec3::ZERO,
             surface: true,
+            lit: Lit::Whole,
+            guide: 0.0,
+            target: 0.0,
+            length: 0.0,
         }
+    }
+
+    /// Whether a surface at a distance is the one that it is meant for.
+    pub(crate) fn is_meant_for(&self, distance: f32) -> bool {
+        self.target == 0.0 || (distance / self.target - 1.0).abs() < ON_TARGET
     }
 
     /// Weight of the emission of a lamp of that level, by the balance heuristic.

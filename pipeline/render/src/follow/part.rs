@@ -7,8 +7,8 @@ use rrf_scene::Scene;
 /// Density [1/sr] from which on a lobe is narrower than a pixel: one ray is enough. Of a lobe of GGX
 /// alpha a that is seen head on the density is 1/(4 π a²); this is a roughness of 0.05.
 const SHARP: f32 = 1e4;
-/// Rays of a camera ray into a lobe that is not sharp.
-const RAYS: f32 = 4.0;
+/// Rays of a pixel into a lobe that is not sharp.
+pub(crate) const RAYS: u32 = 4;
 /// Roughness up to which broad lobes send rays for the sake of lamps, and how many.
 const GLOSSY_ROUGHNESS: f32 = 0.5;
 const GLOSSY_RAYS: u32 = 2;
@@ -24,8 +24,8 @@ pub(crate) struct Following {
     pub(crate) narrow: bool,
     /// Lamps or a sky shine, which rays can meet.
     pub(crate) lamps: bool,
-    /// Rays of a camera ray from broad surfaces, in place of the nets.
-    pub(crate) gather: u32,
+    /// Rays of a pixel into a lobe that is not sharp.
+    pub(crate) rays: u32,
 }
 
 /// What rays bring back.
@@ -80,7 +80,7 @@ impl Following {
                 rest: material.broad(),
                 rays: match is_sharp {
                     true => 1,
-                    false => several(RAYS * share.sqrt()),
+                    false => several(self.rays as f32 * share.sqrt()),
                 },
                 is_sharp,
                 brings: match self.narrow {
@@ -118,7 +118,15 @@ pub(crate) fn has_lobes(scene: &Scene) -> bool {
 }
 
 impl FollowedPart {
-    /// The part of a material that final gather follows: all but the narrow one.
+    /// It without the emission of lamps and sky, where that is all left to shadow rays.
+    pub(crate) fn without_emission(self) -> Option<FollowedPart> {
+        (self.brings == Brings::All).then_some(FollowedPart {
+            brings: Brings::Surfaces,
+            ..self
+        })
+    }
+
+    /// The part of a material that is gathered over: all but the narrow one.
     pub(crate) fn gather(material: &Bsdf, rays: u32) -> Option<FollowedPart> {
         Some(FollowedPart {
             bsdf: material.broad()?,
@@ -127,6 +135,11 @@ impl FollowedPart {
             is_sharp: false,
             brings: Brings::Surfaces,
         })
+    }
+
+    /// Whether its rays bring the emission of lamps and sky.
+    pub(crate) fn brings_emission(&self) -> bool {
+        self.brings != Brings::Surfaces
     }
 
     /// f cos θ toward `l`, less what the rays bring, where shadow rays of density `shadow_density` ask

@@ -2,15 +2,17 @@
 
 use super::blend::evaluate_blended;
 use crate::error::RenderError;
+use crate::follow::MetPatches;
 use crate::options::{RenderOptions, Trusted};
 use crate::tile::VisiblePoints;
 use crate::timings::{FrameStage, Stopwatch};
 use crate::view::Lights;
+use glam::Vec3;
 use rrf_field::columns::{self, Columns};
 use rrf_field::{EvaluationTimings, Field, Light, LitField, Workspace};
 use rrf_lights::LightSource;
 use rrf_scene::Scene;
-use rrf_trace::Tracer;
+use rrf_trace::{SurfacePoint, Tracer};
 use rrf_transfer::{LightBook, LitTransfer, RowPoint, SurfaceKey, TransferQuery};
 
 /// Share of a light that a transfer's basis may leave out for the frame to be trusted.
@@ -34,11 +36,26 @@ pub(super) enum Lit<'f> {
 /// Answers at a tile's visible points.
 #[derive(Default)]
 pub(super) struct Answers {
-    pub(super) radiance: [Vec<f32>; 3],
+    radiance: [Vec<f32>; 3],
     pub(super) cells: Vec<u32>,
+    /// Radiance of each point by way of flat mirrors, beside a transfer's; of nets, empty.
+    mirrored: Vec<Vec3>,
     /// Whether a transfer's answer is believed.
     trust: Vec<bool>,
     nets: Workspace,
+}
+
+impl Answers {
+    /// Radiance of a point.
+    pub(super) fn radiance(&self, row: usize) -> Vec3 {
+        let own = Vec3::from_array([0, 1, 2].map(|c: usize| self.radiance[c][row]));
+        self.mirrored.get(row).map_or(own, |&more| own + more)
+    }
+
+    /// The part of it that no rays from the point are needed for: light by way of flat mirrors.
+    pub(super) fn by_mirrors(&self, row: usize) -> Vec3 {
+        self.mirrored.get(row).copied().unwrap_or(Vec3::ZERO)
+    }
 }
 
 impl<'a> Baked<'a> {
@@ -77,7 +94,15 @@ impl<'a> Baked<'a> {
     }
 }
 
-impl Lit<'_> {
+impl<'f> Lit<'f> {
+    /// The model's patches in the frame's scene; nets have none.
+    pub(super) fn patches(&self, scene: &Scene) -> Option<MetPatches<'f>> {
+        match self {
+            Lit::Nets(_) => None,
+            Lit::Transfer(lit) => Some(MetPatches::new(lit.patches(), lit.bright(), scene)),
+        }
+    }
+
     /// Indirect light at visible points; `first` names their random numbers.
     pub(super) fn evaluate(
         &self,
@@ -92,8 +117,10 @@ impl Lit<'_> {
             radiance,
             cells,
             nets,
+            mirrored,
             ..
         } = answers;
+        mirrored.clear();
         match (self, options.borders) {
             (Lit::Nets(lit), Some(borders)) => {
                 evaluate_blended(borders, lit, &seen.rows, radiance, cells)?;
@@ -113,16 +140,40 @@ impl Lit<'_> {
         }
     }
 
-    /// Whether each visible point's answer is believed.
+    /// Whether each visible point's answer is believed; of nets, if `trusted` can tell.
     pub(super) fn trust(
         &self,
-        trusted: &Trusted,
+        trusted: Option<&Trusted>,
         seen: &VisiblePoints,
         answers: &Answers,
-    ) -> Vec<bool> {
+    ) -> Option<Vec<bool>> {
         match self {
-            Lit::Nets(lit) => trusted_under_all(trusted, &seen.rows, lit.lights()),
-            Lit::Transfer(_) => answers.trust.clone(),
+            Lit::Nets(lit) => Some(trusted_under_all(trusted?, &seen.rows, lit.lights())),
+            Lit::Transfer(_) => Some(answers.trust.clone()),
+        }
+    }
+
+    /// Radiance that a row of a surface sends by its patch's light; none that nets know of.
+    pub(super) fn sent(
+        &self,
+        scene: &Scene,
+        seen: &VisiblePoints,
+        row: usize,
+        baked: &SurfacePoint,
+    ) -> Option<Vec3> {
+        match self {
+            Lit::Nets(_) => None,
+            Lit::Transfer(lit) => {
+                lit.sent(baked, &query(scene, seen, row), &seen.under_lights(row))
+            }
+        }
+    }
+
+    /// Whether a place lies on a flat mirror whose direct light on others the model has.
+    pub(super) fn is_on_mirror(&self, position: Vec3, normal: Vec3) -> bool {
+        match self {
+            Lit::Nets(_) => false,
+            Lit::Transfer(lit) => lit.is_on_mirror(position, normal),
         }
     }
 }
@@ -139,23 +190,42 @@ fn answer(
         .map(|row| query(tracer.scene(), seen, row))
         .collect();
     let found = lit.evaluate(&queries);
-    let rows = seen.points.iter().zip(&seen.viewers);
-    let rows: Vec<RowPoint> = rows
-        .map(|(&point, &viewer)| RowPoint { point, viewer })
-        .collect();
-    let mirrored = lit.by_mirrors(tracer, &rows, first);
+    mirrored(lit, tracer, seen, first, &mut answers.mirrored);
     answers.radiance.iter_mut().for_each(Vec::clear);
     answers.cells.clear();
     answers.trust.clear();
-    for (found, mirrored) in found.iter().zip(mirrored) {
-        let sum = found.radiance + mirrored;
-        for (channel, x) in answers.radiance.iter_mut().zip(sum.to_array()) {
+    for found in &found {
+        let own = found.radiance.to_array();
+        for (channel, x) in answers.radiance.iter_mut().zip(own) {
             channel.push(x);
         }
         answers.cells.push(found.cell);
-        answers
-            .trust
-            .push(found.trusted && lit.residual <= MOST_RESIDUAL);
+        answers.trust.push(
+            found.trusted && lit.residual <= MOST_RESIDUAL && found.radiance.element_sum() >= 0.0,
+        );
+    }
+}
+
+/// Light by way of flat mirrors, where it is not in the light of a patch.
+fn mirrored(
+    lit: &LitTransfer,
+    tracer: &Tracer,
+    seen: &VisiblePoints,
+    first: u64,
+    mirrored: &mut Vec<Vec3>,
+) {
+    let asked: Vec<usize> = (0..seen.points.len())
+        .filter(|&row| seen.is_asked(row))
+        .collect();
+    let rows = asked.iter().map(|&row| RowPoint {
+        point: seen.points[row],
+        viewer: seen.viewers[row],
+    });
+    let rows: Vec<RowPoint> = rows.collect();
+    mirrored.clear();
+    mirrored.resize(seen.points.len(), Vec3::ZERO);
+    for (row, own) in asked.into_iter().zip(lit.by_mirrors(tracer, &rows, first)) {
+        mirrored[row] = own;
     }
 }
 

@@ -2,37 +2,51 @@
 
 use super::indirect::{Answers, Lit};
 use super::layers::Band;
+use super::probes::Probes;
 use crate::direct::{PointLighting, Rows, SampledLighting, SampledLights, ShadowRays};
 use crate::error::RenderError;
-use crate::follow::{FollowedPart, Following, Launch, MOST_FOLLOWED, RayQueue};
+use crate::follow::{FollowedPart, Following, MetPatches, RayQueue};
 use crate::options::RenderOptions;
 use crate::tile::{Tile, VisiblePoints};
 use crate::timings::{FrameStage, Stopwatch};
 use crate::view::View;
 use glam::Vec3;
 use rrf_lights::LightSource;
-use rrf_metrics::color::luminance;
-use rrf_sampling::{Stage, Stream};
-use rrf_scene::{INVALID, PointLight};
+use rrf_scene::PointLight;
 use rrf_trace::{SurfacePoint, Tracer};
 
 /// Columns that a thread works with, tile after tile.
 #[derive(Default)]
 pub(super) struct Work {
-    seen: VisiblePoints,
+    pub(super) seen: VisiblePoints,
     /// The part of each row that sends rays on; empty where no surface has one.
-    followed: Vec<Option<FollowedPart>>,
-    queue: RayQueue,
+    pub(super) followed: Vec<Option<FollowedPart>>,
+    /// Rays of each row's broad part, where the model does not answer for it; empty where it always does.
+    pub(super) gathered: Vec<u32>,
+    /// Whether each row's answer is believed, where that is asked.
+    pub(super) trust: Vec<bool>,
+    pub(super) queue: RayQueue,
+    pub(super) probes: Probes,
     point_lighting: PointLighting,
     sampled_lighting: SampledLighting,
-    answers: Answers,
+    pub(super) answers: Answers,
     pub(super) watch: Stopwatch,
+}
+
+/// Names of a tile's pixels, which their random numbers follow from.
+#[derive(Clone, Copy)]
+pub(super) struct PixelNames {
+    /// Number of the pixel that the tile's are counted from.
+    pub(super) first: u64,
+    /// Number of the tile's first pixel.
+    pub(super) corner: u64,
+    /// Pixels of a row of the picture.
+    pub(super) width: u32,
 }
 
 /// A frame to shade: everything that its tiles share.
 pub(super) struct Job<'f> {
     pub(super) tracer: &'f Tracer<'f>,
-    pub(super) view: &'f View,
     /// Point lights by exact shadow rays.
     pub(super) points: &'f [PointLight],
     /// Lights of other kinds that shine from one direction each, exact too.
@@ -47,6 +61,8 @@ pub(super) struct Job<'f> {
     pub(super) following: Following,
     /// The model under the lights.
     pub(super) lit: Lit<'f>,
+    /// The patches that the model reads light from, if it does.
+    pub(super) patches: Option<MetPatches<'f>>,
     pub(super) options: &'f RenderOptions<'f>,
     /// Camera rays a side of a pixel.
     pub(super) side: u32,
@@ -60,19 +76,45 @@ impl Job<'_> {
     pub(super) fn shade(
         &self,
         work: &mut Work,
-        tile: Tile,
+        (view, tile): (&View, Tile),
         band: &mut Band,
     ) -> Result<(), RenderError> {
         work.watch.restart();
-        work.seen.shoot(self.tracer, self.view, tile, self.side);
+        work.seen.shoot(self.tracer, view, tile, self.side);
         work.watch.end(FrameStage::PrimaryRays);
-        work.seen
-            .read_hits(self.tracer, self.following != Following::default());
+        work.seen.read_hits(self.tracer, self.goes_on());
         work.watch.end(FrameStage::Points);
-        band.clear(tile, self.view.width);
+        band.clear(tile, view.width);
         self.add_emission(work, band);
+        let first = u64::from(tile.y) * u64::from(view.width);
+        let names = PixelNames {
+            first,
+            corner: first + u64::from(tile.x),
+            width: view.width,
+        };
+        self.shade_seen(work, names, band)?;
+        band.sum(tile, view.width);
+        work.watch.end(FrameStage::Resolve);
+        Ok(())
+    }
+
+    /// Whether rays may go on from what the camera sees.
+    fn goes_on(&self) -> bool {
+        let Following { narrow, lamps, .. } = self.following;
+        narrow || lamps || self.options.gather > 0 || self.options.fallback > 0
+    }
+
+    /// Light of the visible points, and of what they show.
+    pub(super) fn shade_seen(
+        &self,
+        work: &mut Work,
+        names: PixelNames,
+        band: &mut Band,
+    ) -> Result<(), RenderError> {
         let part = self.options.part;
         for depth in 0.. {
+            work.trust.clear();
+            work.gathered.clear();
             self.choose_followed(work, depth);
             let wanted = if depth == 0 {
                 part.has_direct()
@@ -80,17 +122,15 @@ impl Job<'_> {
                 part.has_indirect()
             };
             if wanted {
-                self.add_direct(work, tile, band, depth);
+                self.add_direct(work, names, band, depth);
             }
             if part.has_indirect() {
-                self.add_indirect(work, tile, band, depth)?;
+                self.add_indirect(work, names, band, depth)?;
             }
-            if !self.follow(work, tile, band, depth) {
-                break;
+            if !self.follow(work, names, band, depth) {
+                return Ok(());
             }
         }
-        band.sum(tile, self.view.width);
-        work.watch.end(FrameStage::Resolve);
         Ok(())
     }
 
@@ -112,40 +152,18 @@ impl Job<'_> {
     }
 
     /// Radiance that a lamp emits at a point toward `v`.
-    fn emitted(&self, point: &SurfacePoint, v: Vec3) -> Vec3 {
+    pub(super) fn emitted(&self, point: &SurfacePoint, v: Vec3) -> Vec3 {
         let lamp = self.tracer.scene().triangle_light[point.triangle as usize];
         self.tracer.emission(point, v) * self.dim(lamp)
     }
 
     /// What a lamp is multiplied with.
-    fn dim(&self, lamp: u32) -> Vec3 {
+    pub(super) fn dim(&self, lamp: u32) -> Vec3 {
         self.dims.get(lamp as usize).copied().unwrap_or(Vec3::ONE)
     }
 
-    /// Chooses the part of each row that sends rays on.
-    fn choose_followed(&self, work: &mut Work, depth: u32) {
-        let Work { seen, followed, .. } = work;
-        followed.clear();
-        let following = Following {
-            // emission that a first surface shows is direct light
-            lamps: self.following.lamps && (depth > 0 || self.options.part.has_direct()),
-            ..self.following
-        };
-        if !following.narrow && !following.lamps {
-            return;
-        }
-        let camera_rays = (depth == 0).then_some(self.side * self.side);
-        let surfaces = seen.normals.iter().zip(&seen.viewers).zip(&seen.materials);
-        followed.extend(surfaces.zip(&seen.carried).map(
-            |(((&normal, &viewer), material), carried)| {
-                let throughput = luminance(carried.throughput);
-                following.part(material, (normal, viewer), throughput, camera_rays)
-            },
-        ));
-    }
-
     /// Adds light straight from the lights at the visible points.
-    fn add_direct(&self, work: &mut Work, tile: Tile, band: &mut Band, depth: u32) {
+    fn add_direct(&self, work: &mut Work, names: PixelNames, band: &mut Band, depth: u32) {
         let (seen, watch) = (&work.seen, &mut work.watch);
         let layer = match depth {
             0 => &mut *band.direct,
@@ -161,7 +179,6 @@ impl Job<'_> {
             let plan = options
                 .shadow_rays
                 .unwrap_or_else(|| ShadowRays::down_to(options.noise));
-            let pixels = (self.first_pixel(tile), self.view.width);
             let rows = Rows {
                 seen,
                 followed: &work.followed,
@@ -169,19 +186,20 @@ impl Job<'_> {
                 camera_rays: self.side * self.side,
             };
             let sampled = &mut work.sampled_lighting;
+            let pixels = (names.first, names.width);
             sampled.shade(self.tracer, rows, &self.sampled, plan, pixels, watch);
             self.add(layer, seen, sampled.radiance.iter().copied());
         }
         watch.end(FrameStage::Resolve);
     }
 
-    /// Number of the first pixel that a tile's pixels are counted from.
-    fn first_pixel(&self, tile: Tile) -> u64 {
-        u64::from(tile.y) * u64::from(self.view.width)
-    }
-
     /// Adds a radiance a visible point to the layer's pixels.
-    fn add(&self, layer: &mut [Vec3], seen: &VisiblePoints, radiance: impl Iterator<Item = Vec3>) {
+    pub(super) fn add(
+        &self,
+        layer: &mut [Vec3],
+        seen: &VisiblePoints,
+        radiance: impl Iterator<Item = Vec3>,
+    ) {
         if seen.carried.is_empty() {
             for (&pixel, radiance) in seen.pixel.iter().zip(radiance) {
                 layer[pixel as usize] += self.weight * radiance;
@@ -190,135 +208,6 @@ impl Job<'_> {
         }
         for (carried, radiance) in seen.carried.iter().zip(radiance) {
             layer[carried.pixel as usize] += self.weight * carried.throughput * radiance;
-        }
-    }
-
-    /// Adds the model's light at the visible points, and which cells gave it.
-    fn add_indirect(
-        &self,
-        work: &mut Work,
-        tile: Tile,
-        band: &mut Band,
-        depth: u32,
-    ) -> Result<(), RenderError> {
-        let Work {
-            seen,
-            answers,
-            watch,
-            ..
-        } = work;
-        if depth == 0 && self.following.gather > 0 {
-            return Ok(());
-        }
-        let first = self.first_pixel(tile) + u64::from(tile.x) + (u64::from(depth) << 40);
-        (self.lit).evaluate(self.tracer, seen, self.options, first, answers, watch)?;
-        let [r, g, b] = &answers.radiance;
-        let rgb = r.iter().zip(g).zip(b).zip(&seen.materials);
-        let answered = |material| self.answers_for(material);
-        let radiance = rgb.map(|(((&r, &g), &b), material)| match answered(material) {
-            true => Vec3::new(r, g, b),
-            false => Vec3::ZERO,
-        });
-        self.add(band.indirect, seen, radiance);
-        // Of the pixel's first row, which comes last here; of mirrors, what they show.
-        let cells = seen.pixel.iter().zip(&answers.cells).zip(&seen.materials);
-        for ((&pixel, &cell), material) in cells.rev() {
-            let known = &mut band.cell[pixel as usize];
-            let is_told = match depth {
-                0 => !self.following.narrow || material.is_black() || answered(material),
-                _ => *known == u32::MAX && answered(material),
-            };
-            if is_told {
-                *known = cell;
-            }
-        }
-        if let Some(trusted) = self.options.trusted {
-            let trust = self.lit.trust(trusted, seen, answers);
-            for (row, (&pixel, trust)) in seen.pixel.iter().zip(trust).enumerate() {
-                let share = seen.carried.get(row).map_or(1.0, |carried| carried.share);
-                let share = if trust { share } else { 0.0 };
-                band.trust[pixel as usize] += self.weight * share;
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether the model answers for a part of a material: no net was trained on what sends no light,
-    /// such as a lamp, or on what is traced.
-    fn answers_for(&self, material: &rrf_materials::Bsdf) -> bool {
-        match self.following.narrow {
-            true => material.broad().is_some_and(|broad| !broad.is_black()),
-            false => !material.is_black(),
-        }
-    }
-
-    /// Sends rays on from the visible points and adds the emission that they meet. The surfaces that
-    /// they meet are the next visible points; `false` where there are none.
-    fn follow(&self, work: &mut Work, tile: Tile, band: &mut Band, depth: u32) -> bool {
-        let gather = match depth {
-            0 => self.following.gather,
-            _ => 0,
-        };
-        let Some(counted) = work.watch.timings.1.get_mut(depth as usize) else {
-            return false;
-        };
-        if work.followed.iter().all(Option::is_none) && gather == 0 {
-            return false;
-        }
-        let launch = Launch {
-            tracer: self.tracer,
-            lights: &self.sampled,
-            stream: Stream::new(self.seed(), Stage::Followed, depth),
-            first: self.first_pixel(tile),
-            gather,
-        };
-        work.queue.clear();
-        work.queue.launch(&launch, &mut work.seen, &work.followed);
-        *counted += work.queue.carried.len() as u64;
-        work.queue.trace(self.tracer);
-        self.add_met_emission(&work.queue, band, depth);
-        let goes_on = depth + 1 < MOST_FOLLOWED as u32 || gather > 0;
-        let queue = &work.queue;
-        let rays = (&queue.rays, queue.carried.as_slice());
-        work.seen.read_followed(self.tracer, rays, &queue.hits);
-        work.watch.end(FrameStage::FollowedRays);
-        goes_on && !work.seen.points.is_empty()
-    }
-
-    fn seed(&self) -> u64 {
-        self.options.shadow_rays.unwrap_or_default().seed
-    }
-
-    /// Adds the emission that rays met which had met `depth` surfaces before their last one.
-    fn add_met_emission(&self, queue: &RayQueue, band: &mut Band, depth: u32) {
-        let part = self.options.part;
-        let (layer, wanted) = match depth {
-            0 => (&mut *band.direct, part.has_direct()),
-            _ => (&mut *band.indirect, part.has_indirect()),
-        };
-        let met = queue.hits.triangle.iter().zip(&queue.hits.barycentrics);
-        let rays = queue.rays.direction.iter().zip(&queue.carried);
-        let lights = &self.tracer.scene().triangle_light;
-        for ((&direction, carried), (&triangle, &at)) in rays.zip(met) {
-            let pixel = carried.pixel as usize;
-            if triangle == INVALID {
-                if wanted {
-                    layer[pixel] += self.weight * carried.throughput * carried.far;
-                }
-                // no net is asked
-                band.trust[pixel] += self.weight * carried.share;
-                continue;
-            }
-            let light = lights[triangle as usize];
-            if !wanted || !self.emission || light == INVALID {
-                continue;
-            }
-            let point = self.tracer.point(triangle, at);
-            let radiance =
-                self.tracer.scene().area_lights[light as usize].radiance * self.dim(light);
-            let weight = carried.lamp_weight(luminance(radiance));
-            let emitted = self.emitted(&point, -direction);
-            layer[pixel] += self.weight * weight * carried.throughput * emitted;
         }
     }
 }

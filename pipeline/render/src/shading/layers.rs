@@ -73,7 +73,23 @@ impl Layers {
     }
 }
 
-impl Band<'_> {
+impl<'f> Band<'f> {
+    /// A band of points that are asked one by one: their indirect light, its cells and its trust.
+    pub(crate) fn of_points(
+        direct: &'f mut [Vec3],
+        indirect: &'f mut [Vec3],
+        cell: &'f mut [u32],
+        trust: &'f mut [f32],
+    ) -> Band<'f> {
+        Band {
+            full: &mut [],
+            direct,
+            indirect,
+            cell,
+            trust,
+        }
+    }
+
     /// Forgets what an earlier frame left at the pixels of a tile.
     pub(crate) fn clear(&mut self, tile: Tile, width: u32) {
         for pixels in rows(tile, width) {

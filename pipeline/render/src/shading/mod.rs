@@ -4,14 +4,18 @@
 //! goes on to what mirrors and glass show.
 
 mod blend;
+mod crowded;
 mod indirect;
 mod job;
 mod layers;
+mod onward;
+mod points;
+mod probes;
 
 use crate::direct::SampledLights;
 use crate::direct::emitter::Emitter;
 use crate::error::RenderError;
-use crate::follow::Following;
+use crate::follow::{Following, RAYS};
 use crate::frame::Frame;
 use crate::options::{Part, RenderOptions};
 use crate::origin;
@@ -29,6 +33,7 @@ use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 pub use indirect::MOST_RESIDUAL;
+pub use points::PointAnswers;
 
 /// Makes frame after frame of one scene and model, and keeps what the threads work with.
 pub struct Renderer<'a> {
@@ -67,18 +72,18 @@ impl<'a> Renderer<'a> {
     }
 
     /// Frames of `tracer`'s scene with the indirect light of a transfer; lamps that shine are those of
-    /// that scene.
+    /// that scene. Narrow lobes are traced where the transfer leaves them out.
     pub fn of_transfer(tracer: &'a Tracer<'a>, book: &'a LightBook<'a>) -> Renderer<'a> {
         Renderer {
             tracer,
             baked: Baked::Transfer(book),
-            traces_narrow: false,
+            traces_narrow: book.model().broad,
             idle: Mutex::default(),
         }
     }
 
-    /// Traces mirrors, glass and other narrow lobes, if so told: for models that were baked without
-    /// their light. Otherwise the model answers for the whole of every surface.
+    /// Traces mirrors, glass and other narrow lobes, if so told: for nets that were baked without
+    /// their light. Otherwise they answer for the whole of every surface.
     pub fn tracing_narrow(self, traces_narrow: bool) -> Renderer<'a> {
         Renderer {
             traces_narrow,
@@ -97,7 +102,7 @@ impl<'a> Renderer<'a> {
     ) -> Result<FrameTimings, RenderError> {
         view.check()?;
         lights.check()?;
-        let (job, coefficients) = self.job(view, lights, options)?;
+        let (job, coefficients) = self.job(lights, options)?;
         let mut layers = Layers::take_from(frame, view);
         let bands = layers.bands(view.width).enumerate();
         let timings = bands
@@ -108,7 +113,7 @@ impl<'a> Renderer<'a> {
                 let done =
                     tiles.try_for_each(|tile| match options.halt.is_some_and(|halt| halt()) {
                         true => Err(TraceError::Halted.into()),
-                        false => job.shade(&mut work, tile, &mut band),
+                        false => job.shade(&mut work, (view, tile), &mut band),
                     });
                 let timings = work.watch.timings;
                 self.idle().push(work);
@@ -127,7 +132,6 @@ impl<'a> Renderer<'a> {
     /// threads' time that the latter took.
     fn job<'f>(
         &'f self,
-        view: &'f View,
         lights: &'f Lights,
         options: &'f RenderOptions<'f>,
     ) -> Result<(Job<'f>, Duration), RenderError> {
@@ -150,6 +154,7 @@ impl<'a> Renderer<'a> {
             Lit::Nets(_) => Duration::ZERO,
             Lit::Transfer(_) => start.elapsed() * rayon::current_num_threads() as u32,
         };
+        let patches = lit.patches(self.tracer.scene());
         let side = options.aa.max(1);
         let emitters = sampled.iter().map(Emitter::from).chain(pieces);
         let sources = lights.sources.iter().map(|light| &light.source);
@@ -160,14 +165,13 @@ impl<'a> Renderer<'a> {
         let following = Following {
             narrow: self.traces_narrow && has_lobes && options.part != Part::Direct,
             lamps: shines && has_lobes,
-            gather: match options.part {
-                Part::Direct => 0,
-                _ => options.gather,
+            rays: match options.narrow_rays {
+                0 => RAYS,
+                rays => rays,
             },
         };
         let job = Job {
             tracer: self.tracer,
-            view,
             points: exact,
             sharp,
             sampled,
@@ -175,6 +179,7 @@ impl<'a> Renderer<'a> {
             dims: &lights.dims,
             following,
             lit,
+            patches,
             options,
             side,
             weight: 1.0 / (side * side) as f32,

@@ -2,7 +2,7 @@
 
 use crate::patches::PatchConfig;
 use crate::regression::{LocalConfig, NetConfig};
-use crate::rows::RowConfig;
+use crate::row_config::RowConfig;
 
 /// Which fits cells may have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

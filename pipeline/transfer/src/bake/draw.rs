@@ -4,7 +4,8 @@ use super::config::TransferConfig;
 use crate::TransferError;
 use crate::patches::Patches;
 use crate::query::{SurfaceKey, TransferQuery};
-use crate::rows::{RowConfig, RowPoint, trace_rows};
+use crate::row_config::RowConfig;
+use crate::rows::{RowPoint, trace_rows};
 use crate::tracing::{Rays, Stream, Tracer};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -36,6 +37,7 @@ pub(crate) struct Chosen {
 const LOOK: RowConfig = RowConfig {
     paths: 16,
     keep: 0.5,
+    broad: false,
 };
 /// Distances below this are alike, metres.
 const NEAREST: f32 = 0.02;

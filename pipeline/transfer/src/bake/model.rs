@@ -68,7 +68,7 @@ pub fn bake_transfer(
     let colours: Vec<Vec3> = pilot.iter().map(colour).collect();
     let lighting = Lighting::new(&receivers, lights, &pilot_rows, &colours, &columns, watch)?;
     drop(pilot_rows);
-    let reflectances = Reflectances::new(tracer.scene());
+    let reflectances = Reflectances::new(tracer.scene(), config.paths.broad);
     let materials = tracer.scene().materials.iter();
     let metals: Vec<bool> = materials.map(|m| m.metallic > 0.5).collect();
     let mut rounds = Rounds {
@@ -117,6 +117,7 @@ pub fn bake_transfer(
     Ok(TransferModel {
         receiver_points: count,
         seed: config.seed,
+        broad: config.paths.broad,
         sketch,
         trust: config.trust,
         tree,

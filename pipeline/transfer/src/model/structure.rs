@@ -8,7 +8,8 @@ use crate::reflectance::Reflectances;
 use rrf_scene::Scene;
 
 impl TransferModel {
-    /// A model without cells over a scene's patches, as a bake begins with and files leave out.
+    /// A model without cells over a scene's patches, as a bake begins with and files leave out;
+    /// `broad` as in [`crate::RowConfig`].
     ///
     /// # Errors
     /// [`TransferError::NoPatches`].
@@ -16,12 +17,14 @@ impl TransferModel {
         scene: &Scene,
         patch_config: PatchConfig,
         sizes: PatchSizes,
+        broad: bool,
     ) -> Result<TransferModel, TransferError> {
         let patches = Patches::new(scene, &patch_config, &sizes.field())?;
         Ok(TransferModel {
             columns: ColumnTree::new(&patches),
             used: vec![false; patches.columns()],
-            reflectances: Reflectances::new(scene),
+            reflectances: Reflectances::new(scene, broad),
+            broad,
             patches,
             patch_config,
             sizes,

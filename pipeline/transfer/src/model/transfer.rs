@@ -52,6 +52,8 @@ pub struct TransferModel {
     pub receiver_points: u32,
     /// Seed of the bake, which those points follow from.
     pub seed: u64,
+    /// Whether it answers for the broad part of surfaces alone.
+    pub broad: bool,
     /// What the rows' parts are relative to.
     pub reflectances: Reflectances,
     /// Which cell a point belongs to.

@@ -131,6 +131,11 @@ impl Patches {
         u32::from(self.directions[patch as usize])
     }
 
+    /// Triangles of the scene.
+    pub fn triangles(&self) -> usize {
+        self.places.len()
+    }
+
     /// The patch that a surface point lies in.
     #[inline]
     pub fn patch(&self, point: &SurfacePoint) -> Option<u32> {

@@ -13,6 +13,26 @@ pub struct PatchPoint {
 }
 
 impl Patches {
+    /// A point of a patch, uniform by area, by three numbers in [0, 1).
+    pub fn place(&self, patch: u32, [u, v, w]: [f32; 3]) -> Option<PatchPoint> {
+        let id = patch as usize;
+        let range = self.first_piece[id] as usize..self.first_piece[id + 1] as usize;
+        let pieces = &self.pieces[range];
+        let mut left = u * pieces.iter().map(|piece| piece.area).sum::<f32>();
+        let mut chosen = pieces.first()?;
+        for piece in pieces {
+            chosen = piece;
+            if left < piece.area {
+                break;
+            }
+            left -= piece.area;
+        }
+        Some(PatchPoint {
+            triangle: chosen.triangle,
+            barycentrics: inside(&chosen.corners, v, w),
+        })
+    }
+
     /// `count` points of a patch, uniform by area and stratified; always the same.
     pub fn points(&self, patch: u32, count: u32, stream: Stream, table: &Table) -> Vec<PatchPoint> {
         let id = patch as usize;

@@ -3,8 +3,8 @@
 use crate::scenes::{MIDDLE, cornell, file, points, room};
 use glam::Vec3;
 use rrf_sampling::{Stage, Stream};
-use rrf_scene::Scene;
-use rrf_trace::{Queries, Tracer, indirect};
+use rrf_scene::{Material, Scene};
+use rrf_trace::{Queries, Sampling, Tracer, broad_indirect, indirect};
 use rrf_transfer::{
     PatchConfig, Patches, PointSource, Receivers, RowConfig, RowPoint, TransferRows, trace_rows,
 };
@@ -65,17 +65,31 @@ struct Comparison {
 
 const REPLICATES: usize = 16;
 
-/// Means and standard errors of rows times irradiance and of paths that know the light.
-fn compare(scene: &Scene, config: &PatchConfig, lights: &[Vec3], seed: u64) -> Vec<Comparison> {
+/// Means and standard errors of rows times irradiance and of paths that know the light; of broad parts, at
+/// points that have a narrow one too.
+fn compare(
+    scene: &Scene,
+    config: &PatchConfig,
+    lights: &[Vec3],
+    (seed, broad): (u64, bool),
+) -> Vec<Comparison> {
     let tracer = Tracer::new(scene).unwrap();
     let patches = Patches::new(scene, config, &EVEN).unwrap();
-    let points = points(&tracer, MIDDLE, 12, seed);
+    let points: Vec<RowPoint> = match broad {
+        false => points(&tracer, MIDDLE, 12, seed),
+        true => (points(&tracer, MIDDLE, 200, seed).into_iter())
+            .filter(|p| tracer.material_at(&p.point).narrow().is_some())
+            .take(12)
+            .collect(),
+    };
+    assert_eq!(points.len(), 12);
     let repeated: Vec<RowPoint> = points
         .iter()
         .flat_map(|p| std::iter::repeat_n(*p, REPLICATES))
         .collect();
     let config = RowConfig {
         paths: 512,
+        broad,
         ..RowConfig::default()
     };
     let stream = Stream::new(seed, Stage::Extract, 0);
@@ -90,15 +104,16 @@ fn compare(scene: &Scene, config: &PatchConfig, lights: &[Vec3], seed: u64) -> V
         viewers: &columns.iter().map(|c| c.1).collect::<Vec<_>>(),
         lights: &columns.iter().map(|c| c.2).collect::<Vec<_>>(),
     };
-    let truth = indirect(
-        &tracer,
-        queries,
-        8_192,
-        32,
-        Stream::new(seed, Stage::Points, 0),
-        0,
-    )
-    .unwrap();
+    let sampling = Sampling {
+        paths: 8_192,
+        replicates: 32,
+    };
+    let numbers = Stream::new(seed, Stage::Points, 0);
+    let truth = match broad {
+        true => broad_indirect(&tracer, queries, sampling, numbers, 0),
+        false => indirect(&tracer, queries, 8_192, 32, numbers, 0),
+    };
+    let truth = truth.unwrap();
     let irradiances: Vec<Vec<Vec3>> = (lights.iter())
         .map(|&position| {
             let intensity = Vec3::ONE;
@@ -171,7 +186,11 @@ fn rows_of_the_cornell_box_are_those_of_the_path_tracer() {
         count: 8_000,
         ..PatchConfig::default()
     };
-    assert_agree("cornell", &compare(&cornell(), &config, &LIGHTS, 11), 0.015);
+    assert_agree(
+        "cornell",
+        &compare(&cornell(), &config, &LIGHTS, (11, false)),
+        0.015,
+    );
 }
 
 /// Patches of metals tell directions apart, and a row's own material is split in two parts.
@@ -183,7 +202,23 @@ fn rows_of_glossy_surfaces_are_close_to_those_of_the_path_tracer() {
         directions: 12,
         ..PatchConfig::default()
     };
-    assert_agree("glossy", &compare(&scene, &config, &LIGHTS, 12), 0.15);
+    let found = compare(&scene, &config, &LIGHTS, (12, false));
+    assert_agree("glossy", &found, 0.15);
+}
+
+/// Rows of broad parts leave out what narrow parts send to the viewer: of a polished floor, its coat.
+#[test]
+fn rows_of_broad_parts_are_those_of_the_path_tracer() {
+    let mut scene = cornell();
+    let floor = scene.materials.iter_mut().find(|m| m.name == "Floor");
+    let floor = floor.unwrap();
+    *floor = Material::principled("Floor", floor.base_color, 0.15, 0.0, 0.5);
+    let config = PatchConfig {
+        count: 8_000,
+        ..PatchConfig::default()
+    };
+    let found = compare(&scene, &config, &LIGHTS, (13, true));
+    assert_agree("broad", &found, 0.05);
 }
 
 /// TransferRows made alone equal their part of the whole; halves differ; wrong counts are refused.

@@ -42,11 +42,15 @@ impl<'a> FlatMirrors<'a> {
         }
     }
 
-    fn is_on_mirror(&self, at: &Receiver) -> bool {
+    /// Whether a place on a surface of that normal lies on one of them.
+    pub(crate) fn has(&self, position: Vec3, normal: Vec3) -> bool {
         self.mirrors.iter().any(|m| {
-            m.height(at.position).abs() < 0.5 * self.clear
-                && m.normal.dot(at.geometric).abs() > 0.9999
+            m.height(position).abs() < 0.5 * self.clear && m.normal.dot(normal).abs() > 0.9999
         })
+    }
+
+    fn is_on_mirror(&self, at: &Receiver) -> bool {
+        self.has(at.position, at.geometric)
     }
 
     /// Arrivals by way of the mirrors alone.
@@ -155,13 +159,15 @@ impl<'a> FlatMirrors<'a> {
     /// Radiance [W/(sr m²)] that rows send to their viewers by way of a mirror and their own
     /// surface: two reflections, of which none is a patch's. Row i has the name `first + i`.
     pub fn at_rows(&self, light: &dyn DirectLight, rows: &[RowPoint], first: u64) -> Vec<Vec3> {
-        self.at_rows_in(self.tracer, light, rows, first)
+        self.at_rows_in(self.tracer, false, light, rows, first)
     }
 
-    /// [`FlatMirrors::at_rows`] where triangles are those of `tracer`'s scene, which may have more lamps.
+    /// [`FlatMirrors::at_rows`] where triangles are those of `tracer`'s scene, which may have more lamps,
+    /// by the whole of their own surfaces or by its broad part alone.
     pub fn at_rows_in(
         &self,
         tracer: &Tracer,
+        broad: bool,
         light: &dyn DirectLight,
         rows: &[RowPoint],
         first: u64,
@@ -170,14 +176,24 @@ impl<'a> FlatMirrors<'a> {
             return vec![Vec3::ZERO; rows.len()];
         }
         let indices = (0..rows.len()).into_par_iter();
-        let one = |i: usize| self.at_row(light, tracer, &rows[i], first + i as u64);
+        let one = |i: usize| self.at_row(light, (tracer, broad), &rows[i], first + i as u64);
         indices.map(one).collect()
     }
 
-    fn at_row(&self, light: &dyn DirectLight, tracer: &Tracer, row: &RowPoint, owner: u64) -> Vec3 {
+    fn at_row(
+        &self,
+        light: &dyn DirectLight,
+        (tracer, broad): (&Tracer, bool),
+        row: &RowPoint,
+        owner: u64,
+    ) -> Vec3 {
         let point = &row.point;
         let back = point.normal.dot(row.viewer) < 0.0;
         let (shading, bsdf) = tracer.shading_at(point, row.viewer);
+        let bsdf = if broad { bsdf.broad() } else { Some(bsdf) };
+        let Some(bsdf) = bsdf else {
+            return Vec3::ZERO;
+        };
         let at = Receiver {
             position: point.position,
             geometric: if back { -point.normal } else { point.normal },
