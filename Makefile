@@ -67,9 +67,11 @@ python-tests: rust-tests python
 # memory, full disks, object stores
 run-tests: rust-tests python
 	$(PROGRAM) python3 tests/runs/workers.py
+	$(PROGRAM) python3 tests/runs/kernels.py
 	$(PROGRAM) python3 tests/runs/kill.py --kills 10
-	$(PROGRAM) python3 tests/runs/conflicts.py --pairs 14
+	$(PROGRAM) python3 tests/runs/conflicts.py --pairs 20
 	$(PROGRAM) $(VENV)/bin/python tests/runs/damage.py --damages 40 --resumes 5
+	$(PROGRAM) $(VENV)/bin/python tests/runs/damage.py --damages 24 --resumes 8 --method transfer
 	$(PROGRAM) python3 tests/cases.py
 	$(PROGRAM) python3 tests/runs/hostile.py
 	$(PROGRAM) python3 tests/runs/halt.py

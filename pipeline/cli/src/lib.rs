@@ -45,12 +45,14 @@ struct Cli {
 
 /// Runs the command line and returns its exit code.
 pub fn main() -> ExitCode {
+    memory::start_within_limits();
+    // SAFETY: no thread exists yet but this one and idle ones of the linear algebra library.
+    unsafe { rrf_train::fix_kernels() };
     ExitCode::from(run_words(std::env::args_os()))
 }
 
 /// Runs the command line `words`, the program's name first; gives its exit code.
 fn run_words(words: impl IntoIterator<Item = OsString>) -> u8 {
-    memory::start_within_limits();
     end_quietly_on_closed_pipe();
     let parsed = Cli::from_arg_matches(&command().get_matches_from(words));
     let cli = parsed.unwrap_or_else(|error| error.exit());

@@ -69,6 +69,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod blas;
 mod config;
 mod conjugate;
 mod damping;
@@ -80,9 +81,10 @@ mod solver;
 mod termination;
 mod vector;
 
+pub use blas::{fix_kernels, linear_algebra, one_thread};
 pub use config::{LmConfig, Scaling};
 pub use dense::{Dense, Residuals};
-pub use linalg::{Cholesky, Indefinite, linear_algebra};
+pub use linalg::{Cholesky, Indefinite};
 pub use minimise::{Minimum, minimise};
 pub use problem::{NormalEquations, Problem};
 pub use solver::{Solver, Step};

@@ -1,40 +1,9 @@
 //! Every call into LAPACK, through `ndarray-linalg`: Cholesky factors of small dense matrices.
-//!
-//! OpenBLAS is told to use one thread: callers solve many small problems in parallel, one thread
-//! a problem, and its own threads would only contend with them.
 
+use crate::blas::one_thread;
 use ndarray::{ArrayView2, ArrayViewMut1, ArrayViewMut2, ShapeBuilder, ShapeError};
 use ndarray_linalg::cholesky::{CholeskyFactorized, InverseCInto, SolveC};
 use ndarray_linalg::{AllocatedArray, AllocatedArrayMut, Lapack, UPLO};
-use std::sync::Once;
-
-unsafe extern "C" {
-    fn openblas_set_num_threads(threads: std::ffi::c_int);
-    fn openblas_get_config() -> *const std::ffi::c_char;
-    fn openblas_get_corename() -> *const std::ffi::c_char;
-}
-
-/// The linear algebra library, its version, and the kernels that it chose for this processor, or that
-/// `OPENBLAS_CORETYPE` in the environment told it to choose: the last bits of a fit depend on them.
-pub fn linear_algebra() -> String {
-    // SAFETY: both give a text that the library holds for as long as the process lives, or null.
-    let [config, core] = unsafe { [openblas_get_config(), openblas_get_corename()] }.map(|text| {
-        if text.is_null() {
-            return String::new();
-        }
-        // SAFETY: not null, and ended by a zero byte.
-        let text = unsafe { std::ffi::CStr::from_ptr(text) };
-        text.to_string_lossy().into_owned()
-    });
-    let name = config.split_whitespace().take(2).collect::<Vec<_>>();
-    format!("{}, {core} kernels", name.join(" "))
-}
-
-fn one_thread() {
-    static ONCE: Once = Once::new();
-    // SAFETY: a plain setter of the OpenBLAS library that `ndarray-linalg` links.
-    ONCE.call_once(|| unsafe { openblas_set_num_threads(1) });
-}
 
 /// The matrix is not positive definite to working precision (or not finite).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

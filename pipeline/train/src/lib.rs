@@ -63,5 +63,5 @@ pub use net::blocks::Precision;
 pub use report::{CellFit, HistoryRow};
 pub use rows::samples::Samples;
 pub use rrf_field::model::Kind;
-pub use rrf_lm::{LmConfig, linear_algebra};
+pub use rrf_lm::{LmConfig, fix_kernels, linear_algebra};
 pub use start::Start;

@@ -5,23 +5,12 @@ use crate::tracing::Stream;
 use ndarray::{Array1, Array2, s};
 use ndarray_linalg::error::LinalgError;
 use ndarray_linalg::{JobSvd, QR, SVDDC};
-use std::sync::Once;
+use rrf_lm::one_thread;
 
 /// Directions that the range finder takes beyond the rank asked for.
 const MORE: usize = 10;
 /// Power iterations: each cubes the ratio of wanted to unwanted singular values.
 const POWER: usize = 2;
-
-unsafe extern "C" {
-    fn openblas_set_num_threads(threads: std::ffi::c_int);
-}
-
-/// Threads of OpenBLAS would make the bits depend on their number.
-fn one_thread() {
-    static ONCE: Once = Once::new();
-    // SAFETY: a plain setter of the OpenBLAS library that `ndarray-linalg` links.
-    ONCE.call_once(|| unsafe { openblas_set_num_threads(1) });
-}
 
 /// The leading part of M = U diag(s) V': columns of U, s, rows of V'.
 pub(crate) struct Leading {

@@ -19,7 +19,10 @@ import sys
 
 import numpy as np
 
-from . import _native
+from ._kernels import fixed_kernels
+
+with fixed_kernels():
+    from . import _native
 from ._native import BadInput, RrfError, Table, __version__
 
 __all__ = ["BadInput", "RrfError", "Run", "Table", "__version__", "bake", "open"]
