@@ -110,6 +110,18 @@ def time_limit_in_a_fit(run):
     return limited(bake(runs.SCENE, run, LIGHT_BOX, *settings), 6)
 
 
+def transfer_rows(run):
+    """Rows of very many paths."""
+    command = [runs.program(), "bake", "--quiet", runs.SCENE, "-o", run, "--method", "transfer"]
+    return told([*command, "--rows", "40000", "--paths", "65536"], 3, 1, "stopped by a signal")
+
+
+def transfer_fits(run):
+    """Very many rows of few paths."""
+    command = [runs.program(), "bake", "--quiet", runs.SCENE, "-o", run, "--method", "transfer"]
+    return limited([*command, "--rows", "100000", "--paths", "2", "--time-limit", "8"], 8)
+
+
 def large_picture(run):
     view = ["--eye=0,1,3.4", "--look-at=0,1,0", "--light=0,1.5,0", "--size=2048x2048", "--spp=64"]
     command = [runs.program(), "trace", "--quiet", runs.SCENE, *view, "-o", run.with_suffix(".exr")]
@@ -135,6 +147,8 @@ CHECKS = [
     ("long fit", long_fit),
     ("time limit in a draw", time_limit_in_a_draw),
     ("time limit in a fit", time_limit_in_a_fit),
+    ("rows of a transfer", transfer_rows),
+    ("time limit in a transfer", transfer_fits),
     ("large picture", large_picture),
     ("pass of the page", pass_of_the_page),
 ]

@@ -25,6 +25,18 @@ pub fn check_frame(width: u32, height: u32) -> Result<(), BadInput> {
     }
 }
 
+/// Refuses a transfer whose rows do not fit into memory.
+pub fn check_transfer(rows: usize, needed: u64) -> Result<(), BadInput> {
+    match available() {
+        Some(there) if needed > there => Err(BadInput(format!(
+            "--rows {rows}: they need about {} MiB of memory in a transfer, {} MiB are there; give fewer",
+            needed >> 20,
+            there >> 20
+        ))),
+        _ => Ok(()),
+    }
+}
+
 /// Refuses to train where the process may not have the memory that it takes at least, and takes the
 /// buffers of the linear algebra library where a limit could come in its way: it asks for one until it gets
 /// it, for ever. What it was given once it keeps.

@@ -150,6 +150,9 @@ impl<'a> Receivers<'a> {
         let (mut rays, mut arriving) = (Rays::default(), Vec::new());
         // rays beyond mirrors, and which arrivals they belong to
         let (mut beyond, mut of_arrival) = (Rays::default(), Vec::new());
+        if self.tracer.is_halted() {
+            return Vec::new();
+        }
         for (number, side) in (0..).zip(sides) {
             let share = 1.0 / side.points.len().max(1) as f32;
             for (k, (point, &triangle)) in side.points.iter().zip(&side.triangles).enumerate() {

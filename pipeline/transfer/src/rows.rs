@@ -12,7 +12,7 @@ use crate::TransferError;
 use crate::entry::{Entry, HalfRow};
 use crate::patches::Patches;
 use crate::row_config::RowConfig;
-use crate::tracing::{Stream, SurfacePoint, Tracer};
+use crate::tracing::{Stream, SurfacePoint, Tracer, unless_halted};
 use crate::walk::{Start, Walker};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -79,6 +79,7 @@ pub fn trace_rows(
             |walker, starts| walker.rows(starts),
         )
         .collect();
+    unless_halted(tracer)?;
     Ok(TransferRows::gather(
         parts.into_iter().flatten(),
         patches.columns(),

@@ -1,5 +1,6 @@
 //! All that this crate asks of the tracer, in one place.
 
+use crate::TransferError;
 use glam::Vec3;
 
 pub use rrf_materials::Bsdf;
@@ -46,6 +47,14 @@ pub(crate) fn first_step(bsdf: &Bsdf, n: Vec3, v: Vec3, u: [f32; 3]) -> Option<F
         constant: black / sampled.pdf,
         base: (white - black) / sampled.pdf,
     })
+}
+
+/// An error where the tracer was told to give up: what it found meanwhile is not whole.
+pub(crate) fn unless_halted(tracer: &Tracer) -> Result<(), TransferError> {
+    match tracer.is_halted() {
+        true => Err(TransferError::Halted),
+        false => Ok(()),
+    }
 }
 
 /// Whether a material reflects alike in all directions.

@@ -87,14 +87,17 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Traces all paths of a few halves.
+    /// Traces all paths of a few halves; some or none of them where the tracer is halted.
     pub(crate) fn rows(&mut self, starts: &[Start]) -> Vec<HalfRow> {
         self.deposits.clear();
+        if self.tracer.is_halted() {
+            return Vec::new();
+        }
         let scrambles: Vec<_> = starts.iter().map(|s| self.scrambles(s)).collect();
         let nearness = self.first_step(starts, &scrambles);
         for bounce in 1.. {
             self.travel();
-            if self.paths.is_empty() {
+            if self.paths.is_empty() || self.tracer.is_halted() {
                 break;
             }
             self.step(starts, &scrambles, bounce);

@@ -1,6 +1,7 @@
 //! The work of a round: its tasks side by side, then the commit and evaluation of its model.
 
 pub(crate) mod context;
+pub(crate) mod endless;
 pub(crate) mod evaluate;
 mod extract;
 mod fit;

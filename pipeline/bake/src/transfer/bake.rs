@@ -9,6 +9,7 @@ use super::space::FreeSpace;
 use super::summary::TransferSummary;
 use super::tables::tables;
 use crate::error::{BakeError, Halt};
+use crate::exec::endless::refuse_endless;
 use crate::exec::watch::Watch;
 use rrf_scene::Scene;
 use rrf_store::layout::remove_unfinished;
@@ -43,7 +44,8 @@ pub fn bake_scene_transfer(
     watch: &dyn Watch,
 ) -> Result<TransferOutcome, BakeError> {
     let unlit = scene.unlit();
-    let tracer = Tracer::new(&unlit)?;
+    let halt = || watch.halted().is_some();
+    let tracer = Tracer::new(&unlit)?.until(&halt);
     // before anything is written: a folder with a manifest counts as a run
     let space = FreeSpace::new(
         &unlit,
@@ -51,10 +53,15 @@ pub fn bake_scene_transfer(
         (config.eye_box, config.narrow),
         config.seed,
     )?;
+    refuse_endless(&unlit, &tracer, "where eyes can be", |[u, ..]| {
+        space.place(u)
+    })?;
     let conditions = conditions(&unlit, &tracer, &space, config)?;
     let run = TransferRun::create(folder, scene, config, resume)?;
     match run.model(&unlit) {
         Ok((model, lights)) => {
+            // a byte that readers pass over may have changed: the files are made good
+            write_transfer(folder, &tables(&model, lights), &run.facts())?;
             return Ok(TransferOutcome {
                 summary: TransferSummary::new(&model, lights, config.target),
                 was_finished: true,
@@ -96,10 +103,11 @@ pub(super) fn make(
     let model = bake_transfer(tracer, space, &lights, &config.plan(), &observer);
     watch.end();
     let model = model.map_err(|error| match (error, watch.halted()) {
-        (TransferError::Halted, why) => BakeError::TransferHalted {
-            why: why.unwrap_or(Halt::Interrupt),
+        (_, Some(why)) => BakeError::TransferHalted { why },
+        (TransferError::Halted, None) => BakeError::TransferHalted {
+            why: Halt::Interrupt,
         },
-        (error, _) => BakeError::Transfer(error),
+        (error, None) => BakeError::Transfer(error),
     })?;
     Ok((model, lights.len() as u32))
 }

@@ -156,14 +156,19 @@ impl<'a> FreeSpace<'a> {
         }
     }
 
+    /// A place by a number in [0, 1).
+    pub(super) fn place(&self, u: f32) -> Vec3 {
+        let index = (u * self.places.len() as f32) as usize;
+        self.places[index.min(self.places.len() - 1)]
+    }
+
     /// What the eyes see by some numbers of the sequence.
     fn seen(&self, first: u64, count: usize) -> Vec<RowPoint> {
         let (mut rays, mut hits) = (Rays::default(), Hits::default());
         let stream = self.stream.part(1);
         for i in first..first + count as u64 {
             let u = stream.units(i, 0, 0);
-            let eye = (u[0] * self.places.len() as f32) as usize;
-            let eye = self.places[eye.min(self.places.len() - 1)];
+            let eye = self.place(u[0]);
             rays.push(eye, uniform_sphere([u[1], u[2]]), f32::INFINITY);
         }
         self.tracer.closest(&rays, &mut hits);
@@ -184,6 +189,9 @@ impl PointDraw for FreeSpace<'_> {
         let batches = (0..count.div_ceil(BATCH)).into_par_iter();
         let seen: Vec<Vec<RowPoint>> = batches
             .map(|batch| {
+                if self.tracer.is_halted() {
+                    return Vec::new();
+                }
                 let from = batch * BATCH;
                 self.seen(first + from as u64, BATCH.min(count - from))
             })

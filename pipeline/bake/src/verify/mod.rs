@@ -30,7 +30,8 @@ pub struct Verification {
     pub bytes: u64,
     /// Rounds that have a plan.
     pub rounds: u32,
-    /// Tasks of the last round that are not done; the run is unfinished where there are any.
+    /// Tasks of the last round that are not done, a transfer that is not baked counts as one; the run is
+    /// unfinished where there are any.
     pub open_tasks: usize,
     /// Files that are not what was written, or are gone.
     pub damages: Vec<Damage>,
@@ -45,13 +46,18 @@ pub struct Verification {
 pub fn verify(folder: &Path) -> Result<Verification, BakeError> {
     let mut verification = Verification::default();
     let mut found = Found::default();
+    // whether every file of the run is known by now
+    let mut knows_all = false;
     let manifest = RunManifest::path(folder);
     found
         .known
         .extend([manifest.clone(), folder.join(LOCK_FILE)]);
     match Run::open(folder) {
         Err(BakeError::Store(missing @ StoreError::NotARun { .. })) => return Err(missing.into()),
-        Err(BakeError::Method { .. }) => transfer::check(folder, &mut found)?,
+        Err(BakeError::Method { .. }) => {
+            verification.open_tasks = usize::from(!transfer::check(folder, &mut found)?);
+            knows_all = true;
+        }
         Err(error) => found.damage(
             &manifest,
             text(&error),
@@ -60,6 +66,7 @@ pub fn verify(folder: &Path) -> Result<Verification, BakeError> {
         Ok(run) => {
             let rounds = rounds::check(&run, &mut found)?;
             verification.rounds = rounds.plans.len() as u32;
+            knows_all = verification.rounds > 0;
             verification.open_tasks = samples::check(&run, &rounds, &mut found)?;
             model::check(&run, &rounds, &mut found)?;
         }
@@ -74,7 +81,7 @@ pub fn verify(folder: &Path) -> Result<Verification, BakeError> {
         } else if path.starts_with(layout::samples_folder(folder)) {
             let remedy = "Move it elsewhere: readers of the dataset would take it for samples";
             found.damage(&path, "it is in no plan of the run", remedy);
-        } else if !is_staged_name(&name) && verification.rounds > 0 {
+        } else if !is_staged_name(&name) && knows_all {
             verification.unknown.push(path);
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::args::BakeArgs;
 use crate::failure::{BadInput, require_target};
+use crate::memory::check_transfer;
 use crate::progress::Watching;
 use crate::run_location::RunLocation;
 use crate::scene_file;
@@ -50,6 +51,7 @@ fn work(args: &BakeArgs, watching: Watching) -> anyhow::Result<(TransferOutcome,
                     whatever the limit; use fewer --rows, or --method nets";
         return Err(BadInput(told.into()).into());
     }
+    check_transfer(config.rows, config.most_memory())?;
     let location = RunLocation::whole(&args.output)?;
     let folder = location.folder().to_path_buf();
     let watch = watching(location)?;

@@ -53,6 +53,7 @@ fn print(args: &VerifyArgs, found: &Verification) {
     }
     let state = match found.open_tasks {
         0 => String::new(),
+        _ if found.rounds == 0 => ", the bake is not finished".into(),
         open => format!(", {open} tasks of the last round are not done"),
     };
     println!(

@@ -32,8 +32,9 @@ impl CellModel {
         let weights = self.kind.weights(sizes);
         if weights != Some(self.weights.len()) {
             let (found, kind) = (self.weights.len(), self.kind.name());
+            let own = weights.map_or("more than can be".into(), |n| n.to_string());
             return Some(format!(
-                "{found} weights, layers {sizes:?} of kind {kind} have {weights:?}"
+                "{found} weights, layers {sizes:?} of kind {kind} have {own}"
             ));
         }
         let parts: [(&str, &[f32]); 5] = [

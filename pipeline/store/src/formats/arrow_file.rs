@@ -19,7 +19,7 @@ pub(crate) fn encode(batch: &RecordBatch) -> Result<Vec<u8>, ArrowError> {
     writer.into_inner()
 }
 
-/// Writes one batch as `path`, whole or not at all.
+/// Writes one batch as `path`, whole or not at all. A file that has the bytes is left alone.
 pub(crate) fn write(
     path: &Path,
     table: &'static str,
@@ -29,7 +29,10 @@ pub(crate) fn write(
         table,
         reason: e.to_string(),
     })?;
-    atomic_write(path, &bytes)
+    match rrf_files::read_regular(path, bytes.len() as u64) {
+        Ok(own) if own == bytes => Ok(()),
+        _ => atomic_write(path, &bytes),
+    }
 }
 
 /// All rows of a file as one batch.

@@ -9,7 +9,7 @@ use crate::query::TransferQuery;
 use crate::reflectance::{LEAST, Reflectances};
 use crate::regression::RowTable;
 use crate::rows::{RowPoint, TransferRows, trace_rows};
-use crate::tracing::{Stream, Tracer};
+use crate::tracing::{Stream, Tracer, unless_halted};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
@@ -58,12 +58,16 @@ impl BatchTracer<'_> {
         lit.par_chunks_mut(6 * lights.max(1))
             .enumerate()
             .for_each(|(row, lit)| {
+                if self.tracer.is_halted() {
+                    return;
+                }
                 light_row(&sparse, row, &self.lighting.ensemble, lit);
                 let scales = scales(self.reflectances, &queries[row]);
                 for (part, scale) in lit.chunks_exact_mut(3 * lights).zip(scales) {
                     part.iter_mut().for_each(|x| *x *= scale);
                 }
             });
+        unless_halted(self.tracer)?;
         let level = |row: usize| {
             let half = |half| {
                 let value = sparse.apply(row, half, &self.lighting.mean);
@@ -72,7 +76,7 @@ impl BatchTracer<'_> {
             0.5 * (half(0) + half(1))
         };
         let judged = |row: usize| -> Vec<f32> {
-            if !judging(row) {
+            if !judging(row) || self.tracer.is_halted() {
                 return Vec::new();
             }
             let colour = queries[row].base_color;

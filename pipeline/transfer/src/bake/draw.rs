@@ -6,7 +6,7 @@ use crate::patches::Patches;
 use crate::query::{SurfaceKey, TransferQuery};
 use crate::row_config::RowConfig;
 use crate::rows::{RowPoint, trace_rows};
-use crate::tracing::{Rays, Stream, Tracer};
+use crate::tracing::{Rays, Stream, Tracer, unless_halted};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -63,6 +63,7 @@ pub(crate) fn choose(
     stream: Stream,
 ) -> Result<Chosen, TransferError> {
     let pool = draw.draw(0, (config.rows as f32 * config.pool.max(1.0)) as usize);
+    unless_halted(tracer)?;
     if pool.is_empty() || config.rows == 0 {
         return Err(TransferError::NoRows);
     }
@@ -73,6 +74,7 @@ pub(crate) fn choose(
     for (i, &key) in keys.iter().enumerate() {
         seen.entry(key).or_default().push(i as u32);
     }
+    unless_halted(tracer)?;
     let numbers = stream.part(3);
     let unit = |i: usize, block: u32| numbers.units(i as u64, 0, block);
     let share = config.rows as f32 * config.candidates.max(1.0) / pool.len() as f32;
@@ -83,6 +85,7 @@ pub(crate) fn choose(
     let looked: Vec<usize> = (0..pool.len())
         .filter(|&i| unit(i, 0)[0] < share || rare(i))
         .collect();
+    unless_halted(tracer)?;
     let mut wanted = steep(tracer, patches, &pool, &looked, config, stream)?;
     for members in seen.values() {
         let least = config.least_rows as f32 / members.len() as f32;

@@ -44,10 +44,10 @@ impl Lighting {
     ) -> Result<Lighting, TransferError> {
         let mut shone = Vec::with_capacity(lights.len());
         for light in lights {
+            shone.push(receivers.irradiance(*light));
             if watch.halted() {
                 return Err(TransferError::Halted);
             }
-            shone.push(receivers.irradiance(*light));
             watch.advance(1);
         }
         let all = Ensemble::new(&shone);

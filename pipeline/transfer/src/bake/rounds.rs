@@ -146,7 +146,10 @@ impl Rounds<'_> {
         let table = &batch.table;
         let config = self.tracer.config;
         let judging: Vec<bool> = table.judged.iter().map(|j| !j.is_empty()).collect();
-        let fits = LocalFits::new(table, config.local, &judging);
+        let fits = LocalFits::new(table, config.local, &judging, &|| watch.halted());
+        if watch.halted() {
+            return Err(TransferError::Halted);
+        }
         let mut rows: BTreeMap<SurfaceKey, [Vec<u32>; 2]> = BTreeMap::new();
         for (row, query) in table.queries.iter().enumerate() {
             let own = rows.entry(query.surface).or_default();

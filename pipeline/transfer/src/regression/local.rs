@@ -84,6 +84,7 @@ impl<'a> LocalFits<'a> {
         table: &'a RowTable,
         config: LocalConfig,
         leave_out: &[bool],
+        halted: &(dyn Fn() -> bool + Sync),
     ) -> LocalFits<'a> {
         let mut places: BTreeMap<SurfaceKey, Vec<u32>> = BTreeMap::new();
         for (row, query) in table.queries.iter().enumerate() {
@@ -105,17 +106,20 @@ impl<'a> LocalFits<'a> {
             weights: Vec::new(),
             surroundings: Vec::new(),
         };
-        (fits.weights, fits.surroundings) = fits.smoothed_weights().into_iter().unzip();
+        (fits.weights, fits.surroundings) = fits.smoothed_weights(halted).into_iter().unzip();
         fits
     }
 
     /// 1 / the level around each row, never below the floor, and how that changes. A row's own noise takes no part, so
-    /// that a row which is too low by chance does not count for more.
-    fn smoothed_weights(&self) -> Vec<(f32, Surroundings)> {
+    /// that a row which is too low by chance does not count for more. Rows after a halt weigh nothing.
+    fn smoothed_weights(&self, halted: &(dyn Fn() -> bool + Sync)) -> Vec<(f32, Surroundings)> {
         let levels = &self.table.levels;
         let own = |row: usize| levels[row];
         let least = self.config.floor;
         let around = |scratch: &mut LocalScratch, row: usize| {
+            if halted() {
+                return (0.0, Surroundings::default());
+            }
             let query = &self.table.queries[row];
             self.find(
                 query,
