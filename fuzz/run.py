@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Builds the fuzz targets and runs them for a stated CPU time; the figures of fuzz/README.md.
 
-Needs a nightly compiler and a C++ compiler, not the tool cargo-fuzz (which adds the same flags).
+Needs a C++ compiler and RUSTC_BOOTSTRAP=1, which it sets for the flags of a nightly compiler; not the tool
+cargo-fuzz, which adds the same flags.
 Inputs come from `seeds/` and `kept/TARGET.zip`, new ones go to `corpus/`; `--keep` makes the archive of a
 smallest set of inputs that covers what all of them cover, long ones left out. A crash, a hang of 20 s or a request for
 more than 512 MB leaves the input in `artifacts/` and ends the target.
@@ -66,7 +67,8 @@ def folder():
 
 def build(targets):
     environment = {**os.environ, "RUSTFLAGS": " ".join(FLAGS), "CARGO_TARGET_DIR": str(folder())}
-    words = ["cargo", "+nightly", "build", "--release", "--target", TRIPLE]
+    environment["RUSTC_BOOTSTRAP"] = "1"
+    words = ["cargo", "build", "--release", "--target", TRIPLE]
     words += [word for target in targets for word in ("--bin", target)]
     if set(targets) <= set(SCENES):
         words += ["--no-default-features", "--features", "no-tables"]

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Begins conflicting work on one run folder at the same moment, again and again.
 
-Pairs: two bakes of different seeds or settings in a new folder, two bakes of the same settings, a
-resume beside a resume, a commit beside a commit, a resume beside a commit, tasks beside a commit.
+Pairs: two bakes of different seeds, settings or methods in a new folder, two bakes of the same settings, a
+resume beside a resume, a commit beside a commit, a resume beside a commit, tasks beside a commit, two
+transfers of different settings, two of the same.
 Whatever wins, a folder never holds files of two runs: one process at least ends with 0, a loser
 ends with 1 (or 2 where it finds another's finished run), and what stands in the folder afterwards,
 resumed, has the bytes of a bake alone.
@@ -21,7 +22,16 @@ from pathlib import Path
 
 import runs
 
-KINDS = ("seeds", "settings", "same", "resumes", "commits", "resume-commit", "tasks-commit")
+# the settings of two bakes
+BAKES = {
+    "seeds": (runs.SETTINGS, [*runs.SETTINGS, "--seed", "2"]),
+    "settings": (runs.SETTINGS, [w if w != "8000" else "6000" for w in runs.SETTINGS]),
+    "same": (runs.SETTINGS, runs.SETTINGS),
+    "methods": (runs.SETTINGS, runs.TRANSFER),
+    "transfers": (runs.TRANSFER, [*runs.TRANSFER, "--seed", "2"]),
+    "same-transfers": (runs.TRANSFER, runs.TRANSFER),
+}
+KINDS = (*BAKES, "resumes", "commits", "resume-commit", "tasks-commit")
 
 
 def main():
@@ -40,11 +50,9 @@ def main():
     print(f"{options.pairs} passed, 0 failed")
 
 
-def bake(run, seed=1, rows=8000, resume=False):
-    """The command of a bake; its options apart from seed and rows are those of all tests of runs."""
-    settings = [f if f != "8000" else str(rows) for f in runs.SETTINGS]
-    command = [runs.program(), "bake", "--quiet", runs.SCENE, "-o", run, "--seed", str(seed), *settings]
-    return command + ["--resume"] * resume
+def bake(run, settings, resume=False):
+    """The command of a bake."""
+    return [runs.program(), "bake", "--quiet", runs.SCENE, "-o", run, *settings, *["--resume"] * resume]
 
 
 class Pairs:
@@ -54,19 +62,21 @@ class Pairs:
         self.folder, self.dice, self.codes = folder, dice, {}
         self.alone = {}
         self.planned = folder / "planned"
-        runs.call(runs.program(), "plan", runs.SCENE, "-o", self.planned, "--seed", "1", *runs.SETTINGS)
+        runs.call(runs.program(), "plan", runs.SCENE, "-o", self.planned, *runs.SETTINGS)
         for index in json.loads(runs.call(runs.program(), "plan", self.planned, "--json"))["tasks"]:
             plan = self.planned / "rounds/000/tasks.parquet"
             runs.call(runs.program(), "task", "--plan", plan, "--index", str(index["task_id"]))
 
-    def expected(self, manifest):
-        """Digests of a bake alone with the settings of a run."""
-        key = (manifest["seed"], manifest["config"]["extract"]["rows"])
-        if key not in self.alone:
-            run = self.folder / f"alone-{key[0]}-{key[1]}"
-            runs.call(*bake(run, *key))
-            self.alone[key] = runs.digests(run)
-        return key, self.alone[key]
+    def expected(self, kind, run):
+        """The settings of the bake that a run is of, and digests of that bake alone."""
+        for settings in BAKES.get(kind, [runs.SETTINGS]):
+            alone = self.folder / f"alone-{hash(tuple(settings))}"
+            if alone not in self.alone:
+                runs.call(*bake(alone, settings))
+                self.alone[alone] = runs.digests(alone)
+            if (alone / "run.json").read_bytes() == (run / "run.json").read_bytes():
+                return settings, self.alone[alone]
+        raise SystemExit(f"{kind}: run.json is of neither bake")
 
     def attempt(self, kind, run):
         commands = self.commands(kind, run)
@@ -85,22 +95,20 @@ class Pairs:
             raise SystemExit(f"{kind}: a lost race ends with 2\n{messages}")
         if 0 not in codes and kind not in ("commits", "tasks-commit", "resume-commit"):
             raise SystemExit(f"{kind}: nobody won, {codes}\n{messages}")
-        manifest = json.loads((run / "run.json").read_text())
-        key, expected = self.expected(manifest)
-        runs.call(*bake(run, *key, resume=True))
+        settings, expected = self.expected(kind, run)
+        runs.call(*bake(run, settings, resume=True))
         different = runs.differences(runs.digests(run), expected)
         if different:
             raise SystemExit(f"{kind}: mixed contents: {different[:5]}\n{messages}")
         shutil.rmtree(run)
 
     def commands(self, kind, run):
-        if kind in ("seeds", "settings", "same"):
-            other = {"seeds": {"seed": 2}, "settings": {"rows": 6000}, "same": {}}[kind]
-            pair = [bake(run), bake(run, **other)]
+        if kind in BAKES:
+            pair = [bake(run, settings) for settings in BAKES[kind]]
             self.dice.shuffle(pair)
             return pair
         shutil.copytree(self.planned, run)
-        resume, commit = bake(run, resume=True), [runs.program(), "commit", run]
+        resume, commit = bake(run, runs.SETTINGS, resume=True), [runs.program(), "commit", run]
         plan = run / "rounds/000/tasks.parquet"
         tasks = [[runs.program(), "task", "--plan", plan, "--index", str(i)] for i in range(3)]
         return {

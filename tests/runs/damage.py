@@ -7,6 +7,7 @@ named by `verify`, with a remedy, and after `--resume` the model has the bytes t
 `verify` says what else to do.
 
     python3 tests/runs/damage.py --damages 200
+    python3 tests/runs/damage.py --damages 40 --method transfer
 """
 
 import argparse
@@ -22,12 +23,18 @@ import runs
 
 # wall times, an empty file, and the course of a fit for charts: no answer depends on them
 UNANSWERED = {"seconds.json", "lock", "steps.arrow"}
+# settings of a run, and the same with another target
+METHODS = {
+    "nets": (runs.SETTINGS, [w if w != "0.29" else "0.30" for w in runs.SETTINGS]),
+    "transfer": (runs.TRANSFER, [*runs.TRANSFER, "--target", "0.30"]),
+}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--damages", type=int, default=200)
     parser.add_argument("--resumes", type=int, default=40, help="how many damaged models are resumed")
+    parser.add_argument("--method", choices=METHODS, default="nets")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     dice = random.Random(options.seed)
@@ -41,9 +48,9 @@ def main():
 def damages(folder, options, dice):
     """Damages one file at a time."""
     whole, other = folder / "whole", folder / "other"
-    runs.call(*runs.bake(whole))
-    command = [c if c != "0.29" else "0.30" for c in runs.bake(other)]
-    runs.call(*command)
+    settings, others = METHODS[options.method]
+    runs.call(*runs.bake(whole, settings))
+    runs.call(*runs.bake(other, others))
     report, code = verify(whole)
     if code != 0 or report["damages"] or report["unknown"]:
         raise SystemExit(f"a whole run is called damaged: {report}")
@@ -70,7 +77,7 @@ def damages(folder, options, dice):
             if not all(d["what"] and d["remedy"] for d in report["damages"]):
                 raise SystemExit(f"{kind} of {path}: no remedy, {report}")
         if path.parts[0] == "model" and tally["resumed"] < options.resumes:
-            runs.call(*runs.bake(run))
+            runs.call(*runs.bake(run, settings))
             different = runs.differences(runs.digests(run / "model"), expected)
             if different:
                 raise SystemExit(f"{kind} of {path}: --resume leaves {different}")

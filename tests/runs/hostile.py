@@ -36,6 +36,7 @@ def main():
         folder = Path(folder)
         run = folder / "run"
         runs.call(*runs.bake(run))
+        runs.call(*runs.bake(folder / "transfer", runs.TRANSFER))
         inputs(folder)
         for limit in options.limits:
             for line in lines(folder, run):
@@ -181,6 +182,37 @@ def lines(folder, run):
     yield ["task", "--plan", run / "rounds/000/tasks.parquet", "--index", "4294967295"]
     yield from (["commit", name] for name in ("letter", "nowhere", "pipe"))
     yield from ([*words, ">/dev/full"] for words in (["--help"], ["--version"], ["doctor"], ["scene", "a.obj"], ["verify", run], ["compare", "base.exr", "base.exr"]))
+    yield from transfers(cornell)
+    for words in (["inspect", run], ["chart", run, "-o", "charts"], ["completions", "bash"]):
+        yield words
+        yield [*words, ">/dev/full"]
+    yield from (["man", name] for name in ("letter", "letter/deeper", "/dev/full", "manual"))
+    yield from (["completions", name] for name in ("", "sh", "/dev/zero"))
+    yield ["query", run, "--points", runs.ROOT / "tests/data/cases/data/empty.parquet", "-o", "none.parquet"]
+
+
+def transfers(cornell):
+    """Those of a run of a transfer."""
+    bake = ["bake", "--quiet", cornell, "--method", "transfer", "--time-limit", "5"]
+    for option in (
+        "--rows=0", "--rows=100000000", "--rows=4294967296", "--paths=0", "--paths=3", "--paths=4294967294", "--cells=2",
+        "--hidden=3", "--memory=1GiB", "--rounds=0", "--target=nan", "--light-box=9,9,9,10,10,10",
+        "--eye-box=9,9,9,10,10,10", "--threads=0", "--seed=-1",
+    ):
+        yield [*bake, "-o", "new-transfer", option]
+    yield from ([*bake, "-o", name] for name in ("taken", "letter", "letter/run", "transfer", "run"))
+    yield [*bake, "-o", "run", "--resume"]
+    yield ["bake", "--quiet", cornell, "-o", "transfer", "--resume"]
+    for words in (
+        ["verify"], ["verify", "--json"], ["train"], ["plan"], ["commit"], ["inspect"], ["chart", "-o", "charts"],
+        ["report", "-o", "page.html"], ["export", "--onnx", "a.onnx"], ["export", "--parquet", "letter"],
+        ["query", "--points", "points.parquet", "-o", "out.parquet"], ["query", "--points", "pipe", "-o", "out.parquet"],
+        ["render", "--size=8x8", "-o", "none/a.exr"], ["render", "--size=16384x16384", "-o", "a.exr"],
+        ["render", "--size=8x8", "--light=nan,0,0", "-o", "a.exr"], ["render", "--size=8x8", "-o", "/dev/full"],
+        ["render", "--size=8x8", "-o", "link.exr/a.exr"],
+    ):
+        yield [words[0], "transfer", *words[1:]]
+    yield ["verify", "transfer", ">/dev/full"]
 
 
 if __name__ == "__main__":

@@ -12,6 +12,8 @@ SCENE = ROOT / "scenes/cornell-box/scene.pbrt"
 SETTINGS = (
     "--light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 8000 --cells 4 --paths 8 --rounds 4 --target 0.29 --most-cells 6"
 ).split()
+# the transfer of the same scene, less than a second of one core
+TRANSFER = "--method transfer --preset preview --rows 1000 --paths 32".split()
 PART = re.compile(r"cell=\d{6}/part-\d{5}\.parquet")
 
 
@@ -21,9 +23,9 @@ def program():
     return Path(os.environ.get("RRF", target / "release/rrf")).resolve()
 
 
-def bake(run):
+def bake(run, settings=SETTINGS):
     """The command that bakes `run`, or goes on with it."""
-    return [program(), "bake", "--quiet", SCENE, "-o", run, "--resume", *SETTINGS]
+    return [program(), "bake", "--quiet", SCENE, "-o", run, "--resume", *settings]
 
 
 def call(*command, codes=(0,)):

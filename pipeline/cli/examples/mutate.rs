@@ -4,7 +4,7 @@
 //!     cargo run --release -p rrf-cli --example mutate -- parquet 60 1
 //!
 //! Arguments: target, seconds of this thread's CPU, seed. A panic or a crash leaves the input
-//! where the reader found it and ends the process.
+//! where the reader found it and ends the process. `-- parquet --replay FOLDER` reads the files of a folder as they are.
 #![allow(clippy::expect_used, clippy::panic, missing_docs, unexpected_cfgs)]
 
 #[path = "../../../fuzz/src/lib.rs"]
@@ -17,9 +17,12 @@ use std::time::Instant;
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let [target, seconds, seed] = words.as_slice() else {
-        panic!("arguments: TARGET SECONDS SEED");
+        panic!("arguments: TARGET SECONDS SEED, or TARGET --replay FOLDER");
     };
     let read = reader(target);
+    if seconds == "--replay" {
+        return replay(target, read, Path::new(seed));
+    }
     let (seconds, seed): (f64, u64) = (
         seconds.parse().expect("SECONDS"),
         seed.parse().expect("SEED"),
@@ -58,8 +61,28 @@ fn reader(target: &str) -> Reader {
     }
 }
 
+/// Reads every file of a folder; none may take 5 s.
+fn replay(target: &str, read: Reader, folder: &Path) {
+    let (inputs, mut slowest) = (files(folder), 0.0f64);
+    for bytes in &inputs {
+        let before = cpu_seconds();
+        read(bytes);
+        slowest = slowest.max(cpu_seconds() - before);
+    }
+    readers::clean();
+    println!(
+        "{target}: {} inputs, slowest {slowest:.3} s, at most {} MiB resident",
+        inputs.len(),
+        peak_mib()
+    );
+    assert!(slowest < 5.0, "an input takes {slowest} s");
+}
+
 fn seeds(target: &str) -> Vec<Vec<u8>> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds")).join(target);
+    files(&Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds")).join(target))
+}
+
+fn files(folder: &Path) -> Vec<Vec<u8>> {
     let mut paths: Vec<_> = std::fs::read_dir(folder)
         .expect("seeds")
         .map(|entry| entry.expect("a seed").path())

@@ -38,3 +38,23 @@ fn bad_input_is_2_and_named() {
     }
     assert!(!std::path::Path::new("never").exists());
 }
+
+/// A full disk behind standard output is told, with exit code 1.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_output_is_told() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let table = format!("{root}/tests/data/oracle/cornell_overhead.parquet");
+    if cfg!(feature = "inspect") {
+        let full = std::fs::File::options().write(true).open("/dev/full");
+        let output = Command::new(env!("CARGO_BIN_EXE_rrf-report"))
+            .args(["inspect", &table])
+            .stdout(full.unwrap())
+            .output()
+            .unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("standard output cannot be written"), "{said}");
+        assert!(!said.contains("panicked"), "{said}");
+    }
+}
