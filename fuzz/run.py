@@ -40,8 +40,9 @@ FLAGS = [
     "-Ccodegen-units=1",
     "--cfg=fuzzing",
 ]
-# one allocation and all of them; the sanitizer's own memory is some three times the program's
-LIMITS = ["-timeout=20", "-malloc_limit_mb=512", "-rss_limit_mb=2048"]
+# decoders have threads whose own lists outlive an input, which count as leaks; one allocation and all of
+# them; the sanitizer's own memory is some three times the program's
+LIMITS = ["-detect_leaks=0", "-timeout=20", "-malloc_limit_mb=512", "-rss_limit_mb=2048"]
 
 
 def main():
