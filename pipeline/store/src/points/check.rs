@@ -9,6 +9,31 @@ use rrf_field::columns::{GEOMETRY, L, N, NAMES, V};
 /// Off unit length by more than this is worth telling.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
+/// Refuses a table without one of the twelve columns, or with one of another type. Only then its number of
+/// rows is to be believed: without values it may be any.
+pub(crate) fn expect_columns(rows: &TableRows) -> Result<(), StoreError> {
+    let columns = || NAMES.iter().take(GEOMETRY);
+    let is_missing = |name: &&&str| rows.batch.column_by_name(name).is_none();
+    let missing: Vec<&str> = columns().filter(is_missing).copied().collect();
+    if !missing.is_empty() {
+        return Err(rows
+            .source
+            .schema_error(format!("missing: {}", missing.join(" "))));
+    }
+    for name in columns() {
+        match rows.array(name)?.data_type() {
+            DataType::Float32 | DataType::Float64 => {}
+            other => return Err(wrong_type(rows, name, other)),
+        }
+    }
+    Ok(())
+}
+
+fn wrong_type(rows: &TableRows, name: &str, found: &DataType) -> StoreError {
+    let difference = format!("column {name}: expected float32 or float64, found {found}");
+    rows.source.schema_error(difference)
+}
+
 /// The twelve columns, and how many rows had to be scaled to unit length; l is not read in rows
 /// whose light is the scene's own.
 pub(crate) fn geometry(
@@ -16,17 +41,6 @@ pub(crate) fn geometry(
     own_light: &[bool],
 ) -> Result<([Vec<f32>; GEOMETRY], usize), StoreError> {
     let mut columns: [Vec<f32>; GEOMETRY] = Default::default();
-    let missing: Vec<&str> = NAMES
-        .iter()
-        .take(GEOMETRY)
-        .filter(|name| rows.batch.column_by_name(name).is_none())
-        .copied()
-        .collect();
-    if !missing.is_empty() {
-        return Err(rows
-            .source
-            .schema_error(format!("missing: {}", missing.join(" "))));
-    }
     for (c, (name, column)) in NAMES.iter().zip(&mut columns).enumerate() {
         let unread = |row: usize| c >= L && own_light.get(row).copied().unwrap_or(false);
         *column = read_column(rows, name, unread)?;
@@ -48,10 +62,7 @@ fn read_column(
             let values = array.as_primitive::<Float64Type>().iter();
             values.map(|x| x.map(|x| x as f32)).collect()
         }
-        other => {
-            let difference = format!("column {name}: expected float32 or float64, found {other}");
-            return Err(rows.source.schema_error(difference));
-        }
+        other => return Err(wrong_type(rows, name, other)),
     };
     let read = values.into_iter().enumerate().map(|(row, value)| {
         if unread(row) {

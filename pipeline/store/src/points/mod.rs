@@ -12,7 +12,7 @@ use crate::schema::{self, Table};
 use crate::table::{Source, TableRow, TableRows};
 use arrow::array::{ArrayRef, RecordBatch};
 use arrow::datatypes::{FieldRef, Schema, SchemaRef};
-use check::geometry;
+use check::{expect_columns, geometry};
 pub use lights::{POINT, SUN};
 use lights::{lights, own_lights};
 use rrf_field::columns::GEOMETRY;
@@ -102,6 +102,7 @@ pub fn points_of(
         batch: &batch,
         source,
     };
+    expect_columns(&rows)?;
     let (light_names, light) = lights(&rows)?;
     let (geometry, rescaled_rows) = geometry(&rows, &own_lights(&light_names, &light))?;
     Ok(PointsTable {

@@ -270,3 +270,31 @@ fn a_count_within_a_page() {
     }
     assert!(found);
 }
+
+/// A table without columns, or with columns of nulls alone, may claim any number of rows.
+#[test]
+fn rows_without_values() {
+    use arrow::array::{NullArray, RecordBatch, RecordBatchOptions};
+    let options = RecordBatchOptions::new().with_row_count(Some(usize::MAX / 2));
+    let bare = RecordBatch::try_new_with_options(
+        std::sync::Arc::new(arrow::datatypes::Schema::empty()),
+        Vec::new(),
+        &options,
+    );
+    let names = rrf_field::columns::NAMES.iter();
+    let nulls = names.map(|name| {
+        let column: arrow::array::ArrayRef = std::sync::Arc::new(NullArray::new(usize::MAX / 2));
+        (*name, column, true)
+    });
+    let nulls = RecordBatch::try_from_iter_with_nullable(nulls);
+    for batch in [bare, nulls] {
+        let refused =
+            rrf_store::points::points_of(batch.unwrap(), Path::new("p"), Limits::default());
+        let refused = refused.unwrap_err();
+        let is_said = matches!(
+            refused,
+            StoreError::Schema { .. } | StoreError::TooLarge { .. }
+        );
+        assert!(is_said, "{refused}");
+    }
+}
