@@ -1,5 +1,6 @@
 """A transfer from the command line: its tables, its bytes, and its answers against traced ones."""
 
+import json
 import os
 import pathlib
 import signal
@@ -128,11 +129,30 @@ def test_answers_are_near_traced_ones(run, tmp_path):
     assert found["cell_id"].to_numpy().max() < 2**32 - 1
 
 
+def test_what_does_not_fit_into_memory_is_refused(tmp_path):
+    refused = rrf("bake", SCENE, "-o", tmp_path / "a", "--method", "transfer", *SMALL, "--memory", "1MiB", check=False)
+    assert refused.returncode == 2 and "--memory" in refused.stderr
+    assert not list((tmp_path / "a").glob("model/*"))
+
+
+def test_batches_bake_transfers(run, tmp_path):
+    settings = ['method = "transfer"', 'preset = "preview"', "rows = 3000", "paths = 64"]
+    head = ['output = "runs"', "[[bake]]", 'name = "one"', f"scene = {str(SCENE)!r}", "[bake.settings]"]
+    (tmp_path / "batch.toml").write_text("\n".join(head + settings))
+    told = rrf("run", tmp_path / "batch.toml", "--json", "--quiet").stdout.splitlines()
+    line = json.loads(told[0])
+    assert line["run"] == "one-1" and line["round"] == 0 and line["relative_error"] > 0
+    assert line["target_met"] == (line["relative_error"] <= line["target"])
+    assert tables(tmp_path / "runs/one-1") == tables(run)
+    summary = json.loads((tmp_path / "runs/summary.json").read_text())
+    assert summary["runs"][0]["relative_error"] == line["relative_error"]
+
+
 def test_other_commands_say_what_they_need(run, tmp_path):
     for words in (["train", run], ["plan", run], ["export", run, "--onnx", tmp_path / "a.onnx"]):
         refused = rrf(*words, check=False)
         assert refused.returncode == 2 and "transfer" in refused.stderr
-    for option in (["--cells", "3"], ["--inputs", "px"], ["--no-trim"], ["--memory", "1GiB"]):
+    for option in (["--cells", "3"], ["--inputs", "px"], ["--no-trim"]):
         refused = rrf("bake", SCENE, "-o", tmp_path / "b", "--method", "transfer", *option, check=False)
         assert refused.returncode == 2 and option[0] in refused.stderr
         assert not (tmp_path / "b").exists()

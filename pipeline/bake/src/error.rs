@@ -127,6 +127,17 @@ pub enum BakeError {
         /// Bytes allowed.
         memory: u64,
     },
+    /// A transfer does not fit into memory.
+    #[error(
+        "the rows of the largest surface and the fits of {} threads need about {} MiB of memory, but --memory is {} MiB. Allow more, or bake with fewer --rows, --paths or --threads",
+        rayon::current_num_threads(), needed.div_ceil(1 << 20), memory >> 20
+    )]
+    TransferMemory {
+        /// Bytes that it needs.
+        needed: u64,
+        /// Bytes allowed.
+        memory: u64,
+    },
     /// The run's files could not be stored at their remote location.
     #[error("{0}")]
     Sync(#[source] Box<dyn std::error::Error + Send + Sync>),
@@ -136,8 +147,8 @@ pub enum BakeError {
         /// Why.
         why: Halt,
     },
-    /// A transfer's bake was stopped, which keeps nothing before it is done.
-    #[error("stopped by {} before the transfer was done. Nothing of it is kept: `rrf bake --resume` begins anew", match why { Halt::Time => "the time limit", Halt::Interrupt => "a signal" })]
+    /// A transfer's bake was stopped.
+    #[error("stopped by {} before the transfer was done; the surfaces that are finished are kept. Continue with `rrf bake --resume`", match why { Halt::Time => "the time limit", Halt::Interrupt => "a signal" })]
     TransferHalted {
         /// Why.
         why: Halt,

@@ -76,6 +76,7 @@ pub use run::method::RunMethod;
 pub use run::rounds::Progress;
 pub use settings::{BakeConfig, Preset, Settings};
 pub use transfer::{
-    TransferBakeConfig, TransferOutcome, TransferRun, TransferSummary, bake_scene_transfer,
+    TransferBakeConfig, TransferOutcome, TransferRun, TransferSummary, TransferTest,
+    bake_scene_transfer,
 };
 pub use verify::{Damage, Verification, verify};

@@ -9,6 +9,7 @@ use rrf_bake::{
 use rrf_extract::Region;
 use rrf_scene::{LoadOptions, Scene, load};
 use rrf_store::model::{TRANSFER_TABLES, model_table_path, read_transfer};
+use rrf_store::schema::Table;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -63,7 +64,9 @@ fn bytes_do_not_depend_on_threads_or_interruptions() {
             .install(|| bake_scene_transfer(&scene, &config, folder.path(), false, &()))
             .unwrap();
         assert!(!outcome.was_finished && outcome.summary.cells > 5);
-        assert!(outcome.summary.relative_error > 0.0);
+        let test = outcome.summary.test;
+        assert!(test.relative_error > 0.0 && test.median_error <= test.percentile_95);
+        assert!(test.test_rows > 50 && test.trusted_share <= 1.0);
         found.push(bytes(folder.path()));
     }
     assert!(found[0] == found[1] && found[0] == found[2]);
@@ -84,10 +87,20 @@ fn bytes_do_not_depend_on_threads_or_interruptions() {
         let checked = verify(folder.path()).unwrap();
         assert!(checked.damages.is_empty(), "{checked:?}");
     }
+    // stopped once cells are done: those are kept
+    let progress = model_table_path(folder.path(), Table::TransferProgress);
+    let kept = (50..200).step_by(5).find(|&questions| {
+        let watch = Impatient(AtomicU32::new(questions));
+        let stopped = bake_scene_transfer(&scene, &config, folder.path(), true, &watch);
+        assert!(stopped.is_err(), "{questions}");
+        progress.exists()
+    });
+    assert!(kept.is_some());
+    assert!(verify(folder.path()).unwrap().damages.is_empty());
     let again = bake_scene_transfer(&scene, &config, folder.path(), false, &());
     assert!(matches!(again, Err(BakeError::Exists { .. })), "{again:?}");
     let made = bake_scene_transfer(&scene, &config, folder.path(), true, &()).unwrap();
-    assert!(!made.was_finished);
+    assert!(!made.was_finished && !progress.exists());
     assert!(bytes(folder.path()) == found[0]);
     let kept = bake_scene_transfer(&scene, &config, folder.path(), true, &()).unwrap();
     assert!(kept.was_finished);
@@ -97,6 +110,32 @@ fn bytes_do_not_depend_on_threads_or_interruptions() {
         matches!(other, Err(BakeError::OtherRun { .. })),
         "{other:?}"
     );
+}
+
+/// Holds a bake to some memory.
+struct Tight(u64);
+
+impl Watch for Tight {
+    fn memory(&self) -> Option<u64> {
+        Some(self.0)
+    }
+}
+
+/// What does not fit into memory is refused before a row is traced; a limit that holds changes nothing.
+#[test]
+fn memory_is_asked_for_before_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let refused = bake_scene_transfer(&cornell(), &small(1), path, false, &Tight(1 << 20));
+    let Err(error @ BakeError::TransferMemory { needed, .. }) = refused else {
+        panic!("{refused:?}");
+    };
+    assert!(needed > 1 << 20 && error.is_bad_input(), "{error}");
+    assert!(!path.join("model").exists());
+    bake_scene_transfer(&cornell(), &small(1), path, true, &Tight(needed)).unwrap();
+    let free = tempfile::tempdir().unwrap();
+    bake_scene_transfer(&cornell(), &small(1), free.path(), false, &()).unwrap();
+    assert!(bytes(path) == bytes(free.path()));
 }
 
 /// A light box inside a solid is refused before anything is written.

@@ -117,12 +117,12 @@ fn main() {
     let points = |first: u64, count: usize| draw(&tracer, &places, first, count);
     let model = bake_transfer(&tracer, &points, &lights, &config, &|| false).unwrap();
     println!(
-        "{} conditions ({:.0} % of the sky seen), {} patches, {} cells, {} numbers, {:.1} s",
+        "{} conditions ({:.0} % of the sky seen), {} patches, {} cells, {} bytes, {:.1} s",
         lights.len(),
         100.0 * conditions.sky_seen,
         model.patches.len(),
         model.cells.len(),
-        model.numbers(),
+        model.bytes(),
         start.elapsed().as_secs_f64()
     );
     let trusted = model

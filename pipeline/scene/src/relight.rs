@@ -1,6 +1,7 @@
 //! A scene whose own lights have been taken out, to be lit by others.
 
 use crate::{INVALID, Scene};
+use glam::Vec3;
 use rrf_materials::Bsdf;
 
 impl Scene {
@@ -8,8 +9,7 @@ impl Scene {
     /// that only emit. A surface that emits and reflects nothing *is* the lamp; one
     /// that reflects stays, dark.
     pub fn unlit(&self) -> Scene {
-        let lamp = |t: usize| self.is_lamp(t);
-        let keep: Vec<usize> = (0..self.triangles.len()).filter(|&t| !lamp(t)).collect();
+        let keep = self.unlit_triangles();
         let pick = |column: &[u32]| keep.iter().map(|&t| column[t]).collect();
         Scene {
             triangles: keep.iter().map(|&t| self.triangles[t]).collect(),
@@ -22,6 +22,25 @@ impl Scene {
             area_light_textures: Vec::new(),
             ..self.clone()
         }
+    }
+
+    /// The triangles that [`Scene::unlit`] keeps, in its order.
+    pub fn unlit_triangles(&self) -> Vec<usize> {
+        let all = 0..self.triangles.len();
+        all.filter(|&t| !self.is_lamp(t)).collect()
+    }
+
+    /// The scene with one of its own lights alone, the surfaces of others dark.
+    pub fn lit_by(&self, name: &str) -> Scene {
+        let mut scene = self.clone();
+        scene.lights.retain(|light| light.name == name);
+        let names = &self.area_light_names;
+        for (light, own) in scene.area_lights.iter_mut().zip(names) {
+            if own != name {
+                light.radiance = Vec3::ZERO;
+            }
+        }
+        scene
     }
 
     /// Whether a triangle only shines, so that [`Scene::unlit`] leaves it out.

@@ -22,6 +22,9 @@ use rrf_scene::Scene;
 use std::f32::consts::FRAC_1_PI;
 use std::sync::{Arc, Mutex, MutexGuard};
 
+/// Share of a light that cells may leave out, by its residual, for answers under it to be trusted.
+pub const MOST_RESIDUAL: f32 = 0.1;
+
 /// Lights that are kept at the most: moving ones leave one a frame.
 const KEPT: usize = 64;
 

@@ -49,6 +49,14 @@ pub enum TransferError {
         "no rows: no surface point was seen from where eyes are; move the cameras or the eye box into free space"
     )]
     NoRows,
+    /// The work needs more memory than it may have.
+    #[error("the bake needs {needed} bytes of memory and may have {memory}")]
+    Memory {
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes that it may have.
+        memory: u64,
+    },
     /// Somebody asked to stop.
     #[error("the bake of the transfer was stopped before it was done")]
     Halted,

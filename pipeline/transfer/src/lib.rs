@@ -41,9 +41,10 @@ mod tracing;
 mod walk;
 
 pub use bake::{
-    CellChoice, PointDraw, TransferConfig, TransferStage, TransferWatch, bake_transfer,
+    CellChoice, PointDraw, TransferConfig, TransferProgress, TransferStage, TransferWatch,
+    bake_transfer,
 };
-pub use book::{LightBook, LitTransfer};
+pub use book::{LightBook, LitTransfer, MOST_RESIDUAL};
 pub use bright::{BrightPatches, BrightPlace};
 pub use columns::ColumnTree;
 pub use ensemble::{Ensemble, RelativeWeights, radiances};
@@ -54,8 +55,8 @@ pub use lights::{
     DirectLight, DistantSource, IncidentLight, Leg, PointSource, Receiver, ReceiverId,
 };
 pub use model::{
-    CellNode, LEAF_AXIS, LightCoefficients, LightRead, PartFit, SurfaceCells, TransferAnswer,
-    TransferCell, TransferModel, TransferNet, TransferNodes,
+    CellNode, LEAF_AXIS, LightCoefficients, LightRead, PackedRows, PartFit, SKETCHES, SurfaceCells,
+    TransferAnswer, TransferCell, TransferModel, TransferNet, TransferNodes,
 };
 pub use patches::{PatchConfig, PatchPoint, PatchSizes, Patches, SizeField};
 pub use query::{SurfaceKey, TransferQuery};

@@ -3,6 +3,7 @@
 use crate::error::Halt;
 use crate::plan::evaluation::Evaluation;
 use crate::plan::task::TaskKind;
+use crate::transfer::TransferSummary;
 use std::time::Duration;
 
 /// Asks whether to give up.
@@ -20,6 +21,8 @@ pub trait Watch: Sync {
     fn end(&self) {}
     /// A round was committed.
     fn evaluated(&self, _round: u32, _evaluation: &Evaluation) {}
+    /// A transfer is finished.
+    fn transferred(&self, _summary: &TransferSummary) {}
     /// Files of the run have changed: stores them at their remote location, if any.
     fn sync(&self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
         Ok(())

@@ -4,7 +4,7 @@ pub(crate) mod folder;
 pub(crate) mod json;
 pub(crate) mod manifest;
 pub(crate) mod method;
-mod renew;
+pub(crate) mod renew;
 pub(crate) mod rounds;
 pub(crate) mod samples;
 pub(crate) mod shards;

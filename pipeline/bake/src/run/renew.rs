@@ -15,6 +15,24 @@ use rrf_store::parts::remove_part;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+/// Folders of a run.
+pub(crate) const ALL: [&str; 4] = ["model", "samples", "test", "rounds"];
+
+/// Removes folders of a run, in which there is nothing else.
+pub(crate) fn remove_own(folder: &Path, gone: &[&str]) -> Result<(), BakeError> {
+    let others = files_of_others(folder, gone)?;
+    if !others.is_empty() {
+        return Err(BakeError::NotOurs {
+            path: folder.into(),
+            others,
+        });
+    }
+    for name in gone {
+        remove_folder(&folder.join(name))?;
+    }
+    Ok(())
+}
+
 impl Run {
     /// Prepares a folder to be resumed with these settings: removes what depends on a difference and
     /// keeps the rest. Another scene, seed, program or setting of the extraction leaves nothing.
@@ -37,20 +55,7 @@ impl Run {
         let same = found.facts() == asked.facts()
             && found.config.get("extract") == asked.config.get("extract")
             && found.created_by == asked.created_by;
-        let gone: &[&str] = match same {
-            true => &["model"],
-            false => &["model", "samples", "test", "rounds"],
-        };
-        let others = files_of_others(folder, gone)?;
-        if !others.is_empty() {
-            return Err(BakeError::NotOurs {
-                path: folder.into(),
-                others,
-            });
-        }
-        for name in gone {
-            remove_folder(&folder.join(name))?;
-        }
+        remove_own(folder, if same { &["model"] } else { &ALL })?;
         if same {
             retire_plans(folder, &found.hash(folder)?)?;
         }

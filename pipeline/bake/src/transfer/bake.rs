@@ -3,12 +3,14 @@
 use super::config::TransferBakeConfig;
 use super::ensemble::{conditions, light_stream};
 use super::observer::Observer;
+use super::progress::Kept;
 use super::read::is_damage;
 use super::run::TransferRun;
 use super::space::FreeSpace;
-use super::summary::TransferSummary;
+use super::summary::{TransferFacts, TransferSummary};
 use super::tables::tables;
-use crate::error::{BakeError, Halt};
+use super::test_rows::Tests;
+use crate::error::BakeError;
 use crate::exec::endless::refuse_endless;
 use crate::exec::watch::Watch;
 use rrf_scene::Scene;
@@ -16,8 +18,7 @@ use rrf_store::layout::remove_unfinished;
 use rrf_store::model::write_transfer;
 use rrf_trace::Tracer;
 use rrf_transfer::{
-    DirectLight, FlatMirrors, LightConditions, TransferError, TransferModel, bake_transfer,
-    named_light,
+    DirectLight, FlatMirrors, LightConditions, TransferModel, bake_transfer, named_light,
 };
 use std::path::Path;
 
@@ -30,9 +31,9 @@ pub struct TransferOutcome {
     pub was_finished: bool,
 }
 
-/// Bakes a scene's transfer into a run folder. It works in memory: an interrupted bake begins anew
-/// when it is resumed, a finished one is left as it is, and one whose tables are damaged is made
-/// again, with the same bytes.
+/// Bakes a scene's transfer into a run folder. An interrupted bake goes on with the surfaces that are left when
+/// it is resumed, a finished one is left as it is, and one whose tables are damaged is made again, with the same
+/// bytes.
 ///
 /// # Errors
 /// [`BakeError`] of any step; [`BakeError::TransferHalted`] where the watch stops it.
@@ -56,14 +57,15 @@ pub fn bake_scene_transfer(
     refuse_endless(&unlit, &tracer, "where eyes can be", |[u, ..]| {
         space.place(u)
     })?;
-    let conditions = conditions(&unlit, &tracer, &space, config)?;
+    let lights = light_stream(config.seed);
+    let conditions = conditions(&unlit, &tracer, &space, config, lights)?;
     let run = TransferRun::create(folder, scene, config, resume)?;
     match run.model(&unlit) {
-        Ok((model, lights)) => {
+        Ok((model, facts)) => {
             // a byte that readers pass over may have changed: the files are made good
-            write_transfer(folder, &tables(&model, lights), &run.facts())?;
+            write_transfer(folder, &tables(&model, &facts), &run.facts())?;
             return Ok(TransferOutcome {
-                summary: TransferSummary::new(&model, lights, config.target),
+                summary: TransferSummary::new(&model, facts, config.target),
                 was_finished: true,
             });
         }
@@ -71,12 +73,32 @@ pub fn bake_scene_transfer(
         Err(error) => return Err(error),
     }
     watch.sync().map_err(BakeError::Sync)?;
-    let (model, lights) = make(scene, &space, &conditions, config, watch)?;
+    let facts = run.facts();
+    let kept = || Kept {
+        run: folder,
+        facts: &facts,
+    };
+    let observer = Observer::new(watch, Some(kept()));
+    let (model, lights) = make(scene, &space, &conditions, config, &observer)?;
+    let tests = Tests {
+        scene,
+        space: &space,
+        config,
+        kept: scene.unlit_triangles(),
+        watch,
+    };
+    let told = TransferFacts {
+        lights,
+        test: tests.run(&model)?,
+    };
     remove_unfinished(folder)?;
-    write_transfer(folder, &tables(&model, lights), &run.facts())?;
+    write_transfer(folder, &tables(&model, &told), &facts)?;
+    kept().remove()?;
     watch.sync().map_err(BakeError::Sync)?;
+    let summary = TransferSummary::new(&model, told, config.target);
+    watch.transferred(&summary);
     Ok(TransferOutcome {
-        summary: TransferSummary::new(&model, lights, config.target),
+        summary,
         was_finished: false,
     })
 }
@@ -87,7 +109,7 @@ pub(super) fn make(
     space: &FreeSpace,
     conditions: &LightConditions,
     config: &TransferBakeConfig,
-    watch: &dyn Watch,
+    observer: &Observer,
 ) -> Result<(TransferModel, u32), BakeError> {
     let tracer = space.tracer();
     let stream = light_stream(config.seed);
@@ -99,15 +121,8 @@ pub(super) fn make(
     let mirrors = FlatMirrors::new(tracer);
     let lights: Vec<_> = drawn.chain(own).map(|light| mirrors.of(light)).collect();
     let lights: Vec<&dyn DirectLight> = lights.iter().map(|l| l as &dyn DirectLight).collect();
-    let observer = Observer::new(watch);
-    let model = bake_transfer(tracer, space, &lights, &config.plan(), &observer);
-    watch.end();
-    let model = model.map_err(|error| match (error, watch.halted()) {
-        (_, Some(why)) => BakeError::TransferHalted { why },
-        (TransferError::Halted, None) => BakeError::TransferHalted {
-            why: Halt::Interrupt,
-        },
-        (error, None) => BakeError::Transfer(error),
-    })?;
+    let model = bake_transfer(tracer, space, &lights, &config.plan(), observer);
+    observer.end();
+    let model = model.map_err(|error| observer.why(error))?;
     Ok((model, lights.len() as u32))
 }

@@ -18,7 +18,8 @@ pub(super) fn light_stream(seed: u64) -> Stream {
     Stream::new(seed, Stage::Transfer, 5)
 }
 
-/// Points in the light box and beyond it, suns and skies, each one light of the ensemble.
+/// Points in the light box and beyond it, suns and skies, each one light; as many as the settings say,
+/// drawn by a stream.
 ///
 /// # Errors
 /// [`BakeError::Extract`] for a light box without a free place.
@@ -27,10 +28,10 @@ pub(super) fn conditions(
     tracer: &Tracer,
     space: &FreeSpace,
     config: &TransferBakeConfig,
+    stream: Stream,
 ) -> Result<LightConditions, BakeError> {
     let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
     let whole = [Vec3::from(bounds.min), Vec3::from(bounds.max)];
-    let stream = light_stream(config.seed);
     let free = |place: Vec3| space.is_free(place);
     let mut plan = ConditionPlan {
         points: config.points,

@@ -1,7 +1,10 @@
 //! A bake's watch as a transfer's bake knows it.
 
+use super::progress::Kept;
+use crate::error::{BakeError, Halt};
 use crate::exec::watch::Watch;
-use rrf_transfer::{TransferStage, TransferWatch};
+use rrf_transfer::{TransferError, TransferProgress, TransferStage, TransferWatch};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -17,17 +20,52 @@ pub(super) struct Observer<'a> {
     total: AtomicU64,
     /// Those that are done.
     done: AtomicU64,
+    /// Where the part that is done is kept.
+    kept: Option<Kept<'a>>,
+    /// Why it could not be.
+    failed: Mutex<Option<BakeError>>,
 }
 
 impl<'a> Observer<'a> {
     /// From now on.
-    pub(super) fn new(watch: &'a dyn Watch) -> Observer<'a> {
+    pub(super) fn new(watch: &'a dyn Watch, kept: Option<Kept<'a>>) -> Observer<'a> {
         Observer {
             watch,
             limit: watch.left(),
             total: AtomicU64::new(1),
             done: AtomicU64::new(0),
+            kept,
+            failed: Mutex::new(None),
         }
+    }
+
+    /// The last stage is over.
+    pub(super) fn end(&self) {
+        self.watch.end();
+    }
+
+    /// Why a bake ended early: what is done could not be kept or read, or it was told to stop, or its own
+    /// reason.
+    pub(super) fn why(&self, error: TransferError) -> BakeError {
+        let mut failed = self.failed.lock().unwrap_or_else(|p| p.into_inner());
+        match (failed.take(), error, self.watch.halted()) {
+            (Some(failed), ..) => failed,
+            (None, _, Some(why)) => BakeError::TransferHalted { why },
+            (None, TransferError::Halted, None) => BakeError::TransferHalted {
+                why: Halt::Interrupt,
+            },
+            (None, TransferError::Memory { needed, memory }, None) => {
+                BakeError::TransferMemory { needed, memory }
+            }
+            (None, error, None) => BakeError::Transfer(error),
+        }
+    }
+
+    fn unless_failed<T>(&self, result: Result<T, BakeError>) -> Result<T, TransferError> {
+        result.map_err(|error| {
+            *self.failed.lock().unwrap_or_else(|p| p.into_inner()) = Some(error);
+            TransferError::Halted
+        })
     }
 }
 
@@ -46,6 +84,23 @@ impl TransferWatch for Observer<'_> {
         let total = self.total.load(Ordering::Relaxed).max(1);
         let done = self.done.load(Ordering::Relaxed) as f64 / total as f64;
         gone < done + AHEAD
+    }
+
+    fn memory(&self) -> Option<u64> {
+        self.watch.memory()
+    }
+
+    fn resume(&self, nodes: usize, _: usize) -> Result<Option<TransferProgress>, TransferError> {
+        let kept = self.kept.as_ref();
+        self.unless_failed(kept.map_or(Ok(None), |kept| kept.read(nodes)))
+    }
+
+    fn keep(&self, progress: &TransferProgress) -> Result<(), TransferError> {
+        let Some(kept) = &self.kept else {
+            return Ok(());
+        };
+        let stored = || self.watch.sync().map_err(BakeError::Sync);
+        self.unless_failed(kept.write(progress).and_then(|()| stored()))
     }
 
     fn begin(&self, stage: TransferStage, total: u64) {
@@ -78,7 +133,7 @@ mod tests {
     #[test]
     fn time_is_shared_out_over_the_surface() {
         let clock = Clock(Mutex::new(100));
-        let observer = Observer::new(&clock);
+        let observer = Observer::new(&clock, None);
         observer.begin(TransferStage::Cells, 10);
         let at = |left: u64| {
             *clock.0.lock().unwrap() = left;
@@ -88,6 +143,6 @@ mod tests {
         assert_eq!([at(95), at(80)], [true, false]);
         observer.advance(5);
         assert_eq!([at(80), at(45), at(35)], [true, true, false]);
-        assert!(Observer::new(&()).may_refine());
+        assert!(Observer::new(&(), None).may_refine());
     }
 }

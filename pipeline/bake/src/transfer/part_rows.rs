@@ -1,7 +1,7 @@
 //! Parts of cells as rows of a table, and back.
 
 use rrf_store::model::TransferPartRow;
-use rrf_transfer::{PartFit, TransferNet, TransferNodes};
+use rrf_transfer::{PackedRows, PartFit, TransferNet, TransferNodes};
 
 /// Names of what nets may see, in the order of their numbers.
 const INPUTS: [&str; 9] = ["px", "py", "pz", "nx", "ny", "nz", "rx", "ry", "rz"];
@@ -28,7 +28,8 @@ pub(super) fn part_row(cell_id: u32, name: &str, part: &PartFit) -> Option<Trans
                 input_low: net.low.clone(),
                 input_high: net.high.clone(),
                 hidden: net.hidden.clone(),
-                output: net.output.clone(),
+                output_scales: net.output.scales.clone(),
+                output: net.output.values.clone(),
                 ..row
             })
         }
@@ -37,7 +38,8 @@ pub(super) fn part_row(cell_id: u32, name: &str, part: &PartFit) -> Option<Trans
             turns: nodes.turns.to_vec(),
             places: nodes.places.clone(),
             normals: nodes.normals.clone(),
-            values: nodes.values.clone(),
+            value_scales: nodes.values.scales.clone(),
+            values: nodes.values.values.clone(),
             ..row
         }),
     }
@@ -51,11 +53,11 @@ pub(super) fn part(row: TransferPartRow, rank: usize) -> Result<PartFit, String>
         ("input_low", &row.input_low),
         ("input_high", &row.input_high),
         ("hidden", &row.hidden),
-        ("output", &row.output),
+        ("output_scales", &row.output_scales),
         ("turns", &row.turns),
         ("places", &row.places),
         ("normals", &row.normals),
-        ("values", &row.values),
+        ("value_scales", &row.value_scales),
     ];
     finite(&numbers)?;
     if rank == 0 {
@@ -87,14 +89,14 @@ fn net(row: TransferPartRow, rank: usize) -> Result<TransferNet, String> {
     };
     let inputs: Vec<u8> = row.inputs.iter().map(place).collect::<Result<_, _>>()?;
     let count = inputs.len();
-    let net = TransferNet {
+    let mut net = TransferNet {
         inputs,
         mean: row.input_mean,
         scale: row.input_scale,
         low: row.input_low,
         high: row.input_high,
         hidden: row.hidden,
-        output: row.output,
+        output: PackedRows::default(),
     };
     for (name, values) in [
         ("input_mean", &net.mean),
@@ -114,22 +116,39 @@ fn net(row: TransferPartRow, rank: usize) -> Result<TransferNet, String> {
         return Err("an input_low is above its input_high".into());
     }
     length("hidden", &net.hidden, net.units() * (count + 1))?;
-    length("output", &net.output, net.features() * 3 * rank)?;
+    let shape = (net.features(), 3 * rank);
+    net.output = packed("output", (row.output_scales, row.output), shape)?;
     Ok(net)
 }
 
 fn nodes(row: TransferPartRow, rank: usize) -> Result<TransferNodes, String> {
     let turns = <[f32; 2]>::try_from(row.turns.as_slice());
-    let nodes = TransferNodes {
+    let mut nodes = TransferNodes {
         turns: turns.map_err(|_| "turns are not two numbers".to_string())?,
         places: row.places,
         normals: row.normals,
-        values: row.values,
+        values: PackedRows::default(),
     };
     length("places", &nodes.places, nodes.len() * INPUTS.len())?;
     length("normals", &nodes.normals, nodes.len() * 3)?;
-    length("values", &nodes.values, nodes.len() * 9 * rank)?;
+    let shape = (3 * nodes.len(), 3 * rank);
+    nodes.values = packed("values", (row.value_scales, row.values), shape)?;
     Ok(nodes)
+}
+
+/// Packed numbers of so many rows and columns.
+pub(super) fn packed(
+    name: &str,
+    (scales, values): (Vec<f32>, Vec<i8>),
+    (rows, width): (usize, usize),
+) -> Result<PackedRows, String> {
+    length(&format!("the scales of {name}"), &scales, rows)?;
+    length(name, &values, rows * width)?;
+    Ok(PackedRows {
+        width,
+        scales,
+        values,
+    })
 }
 
 /// Checks how many numbers a column holds.

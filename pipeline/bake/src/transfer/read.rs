@@ -1,6 +1,7 @@
 //! A transfer out of its tables.
 
-use super::part_rows::{finite, length, part};
+use super::part_rows::{finite, length, packed, part};
+use super::summary::{TransferFacts, TransferTest};
 use super::tables::{LEAF, PARTS, of_runs, structure};
 use crate::error::BakeError;
 use rrf_scene::Scene;
@@ -38,18 +39,32 @@ pub(super) fn model(
     let whole = fault(Table::Transfer, "table".into());
     let mut model = frame(scene, &tables.whole, broad).map_err(whole)?;
     let count = tables.cells.len();
-    for (id, row) in (0u32..).zip(tables.cells) {
-        let cell = cell(row, id, &model, tables.whole.sketch_rank);
-        model
-            .cells
-            .push(cell.map_err(fault(Table::TransferCells, format!("row {id}")))?);
-    }
+    let columns = model.columns.len();
+    model.cells = cells(tables.cells, columns, tables.whole.sketch_rank)
+        .map_err(|(id, reason)| fault(Table::TransferCells, format!("row {id}"))(reason))?;
     model.tree = tree(tables.nodes, count)
         .map_err(|(node, reason)| fault(Table::TransferTree, format!("row {node}"))(reason))?;
     for (row, own) in tables.parts.into_iter().enumerate() {
-        place(&mut model, own).map_err(fault(Table::TransferParts, format!("row {row}")))?;
+        place(&mut model.cells, own).map_err(fault(Table::TransferParts, format!("row {row}")))?;
     }
     Ok(model)
+}
+
+/// What the table of the whole says beside the model.
+pub(super) fn facts(row: &TransferRow) -> TransferFacts {
+    TransferFacts {
+        lights: row.lights,
+        test: TransferTest {
+            test_rows: row.test_rows,
+            relative_error: row.relative_error,
+            relative_error_se: row.relative_error_se,
+            median_error: row.median_error,
+            percentile_95: row.percentile_95,
+            worst_share: row.worst_share,
+            trusted_share: row.trusted_share,
+            trusted_error: row.trusted_error,
+        },
+    }
 }
 
 /// All but tree and cells.
@@ -60,7 +75,7 @@ fn frame(scene: &Scene, row: &TransferRow, broad: bool) -> Result<TransferModel,
     let levels = row.size_levels.iter().map(|&level| level as u8);
     length("size_cubes", &row.size_cubes, 3 * row.size_levels.len())?;
     finite(&[
-        ("sketch_weights", &row.sketch_weights),
+        ("sketch_scales", &row.sketch_scales),
         ("size_edge", &vec![row.size_edge]),
         ("patch_gloss", &vec![row.patch_gloss]),
     ])?;
@@ -92,12 +107,9 @@ fn frame(scene: &Scene, row: &TransferRow, broad: bool) -> Result<TransferModel,
         ));
     }
     let used = of_runs(&row.columns_in_use);
-    let sketch = LightRead {
-        rank: row.sketch_rank as usize,
-        nodes: row.sketch_nodes.clone(),
-        weights: row.sketch_weights.clone(),
-    };
-    check_read(&sketch, &model)?;
+    let numbers = (row.sketch_scales.clone(), row.sketch_weights.clone());
+    let columns = model.columns.len();
+    let sketch = read(row.sketch_nodes.clone(), row.sketch_rank, numbers, columns)?;
     Ok(TransferModel {
         receiver_points: row.receiver_points,
         seed: row.numbers_seed,
@@ -108,59 +120,78 @@ fn frame(scene: &Scene, row: &TransferRow, broad: bool) -> Result<TransferModel,
     })
 }
 
-fn check_read(read: &LightRead, model: &TransferModel) -> Result<(), String> {
-    let last = model.columns.len();
-    if let Some(node) = read.nodes.iter().find(|&&node| node as usize >= last) {
+/// A read of a column tree with `last` nodes.
+fn read(
+    nodes: Vec<u32>,
+    rank: u32,
+    numbers: (Vec<f32>, Vec<i8>),
+    last: usize,
+) -> Result<LightRead, String> {
+    if let Some(node) = nodes.iter().find(|&&node| node as usize >= last) {
         return Err(format!("node {node}; the column tree has {last}"));
     }
-    length("weights", &read.weights, read.nodes.len() * read.rank)
+    let weights = packed("weights", numbers, (nodes.len(), rank as usize))?;
+    Ok(LightRead { nodes, weights })
+}
+
+/// Cells that read a column tree of so many nodes; the error is a row and what is wrong.
+pub(super) fn cells(
+    rows: Vec<TransferCellRow>,
+    columns: usize,
+    sketches: u32,
+) -> Result<Vec<TransferCell>, (u32, String)> {
+    let rows = (0u32..).zip(rows);
+    rows.map(|(id, row)| cell(row, id, columns, sketches).map_err(|reason| (id, reason)))
+        .collect()
 }
 
 fn cell(
     row: TransferCellRow,
     id: u32,
-    model: &TransferModel,
+    columns: usize,
     sketches: u32,
 ) -> Result<TransferCell, String> {
     if row.cell_id != id {
         return Err(format!("its cell_id is {}", row.cell_id));
     }
     finite(&[
-        ("weights", &row.weights),
-        ("sketch", &row.sketch),
+        ("weight_scales", &row.weight_scales),
+        ("sketch_scales", &row.sketch_scales),
         ("error", &row.error.into_iter().collect()),
     ])?;
-    let read = LightRead {
-        rank: row.rank as usize,
-        nodes: row.nodes,
-        weights: row.weights,
-    };
-    check_read(&read, model)?;
-    length("sketch", &row.sketch, read.rank * sketches as usize)?;
+    let sketch = (row.sketch_scales, row.sketch);
     Ok(TransferCell {
-        read,
+        read: read(
+            row.nodes,
+            row.rank,
+            (row.weight_scales, row.weights),
+            columns,
+        )?,
         parts: Default::default(),
         error: row.error.unwrap_or(f32::INFINITY),
         rows: row.rows,
         judged: row.judged,
-        sketch: row.sketch,
+        sketch: packed("sketch", sketch, (sketches as usize, row.rank as usize))?,
     })
 }
 
 /// Gives a cell its part.
-fn place(model: &mut TransferModel, row: TransferPartRow) -> Result<(), String> {
+pub(super) fn place(own: &mut [TransferCell], row: TransferPartRow) -> Result<(), String> {
     let name = PARTS.iter().position(|name| *name == row.part);
     let name = name.ok_or_else(|| format!("part {:?} is not known", row.part))?;
-    let cells = model.cells.len();
+    let cells = own.len();
     let id = row.cell_id;
-    let cell = model.cells.get_mut(id as usize);
+    let cell = own.get_mut(id as usize);
     let cell = cell.ok_or_else(|| format!("cell {id}; there are {cells}"))?;
-    cell.parts[name] = part(row, cell.read.rank)?;
+    cell.parts[name] = part(row, cell.read.rank())?;
     Ok(())
 }
 
 /// The trees, each of which ends at cells that there are; the error is a node and what is wrong.
-fn tree(rows: Vec<TransferNodeRow>, cells: usize) -> Result<SurfaceCells, (usize, String)> {
+pub(super) fn tree(
+    rows: Vec<TransferNodeRow>,
+    cells: usize,
+) -> Result<SurfaceCells, (usize, String)> {
     let mut tree = SurfaceCells::default();
     let count = rows.len();
     for (id, row) in rows.into_iter().enumerate() {

@@ -2,10 +2,12 @@
 
 use super::config::TransferBakeConfig;
 use super::read;
+use super::summary::TransferFacts;
 use crate::error::BakeError;
 use crate::run::json::corrupt;
 use crate::run::manifest::{asked_manifest, expect_same, expect_scene};
 use crate::run::method::RunMethod;
+use crate::run::renew::{ALL, remove_own};
 use rrf_scene::Scene;
 use rrf_store::lock::FolderLock;
 use rrf_store::manifest::{RunFacts, RunManifest};
@@ -63,6 +65,28 @@ impl TransferRun {
         })
     }
 
+    /// Prepares a folder to be resumed with these settings: a run of others, or of another method, leaves
+    /// nothing. A folder without a run is left alone.
+    ///
+    /// # Errors
+    /// As [`crate::Run::renew`].
+    pub fn renew(
+        folder: &Path,
+        scene: &Scene,
+        config: &TransferBakeConfig,
+    ) -> Result<(), BakeError> {
+        if !RunManifest::path(folder).exists() {
+            return Ok(());
+        }
+        let _lock = FolderLock::take(folder)?;
+        let asked = manifest(scene, config)?;
+        if RunManifest::read(folder)?.asks_for_the_same(&asked) {
+            return Ok(());
+        }
+        remove_own(folder, &ALL)?;
+        Ok(asked.write(folder)?)
+    }
+
     /// Opens an existing run to read it.
     ///
     /// # Errors
@@ -101,16 +125,16 @@ impl TransferRun {
         self.manifest.facts()
     }
 
-    /// Reads the model, and the number of lights that it was fitted to; `unlit` is the run's scene
+    /// Reads the model, and what its cells do not say; `unlit` is the run's scene
     /// without its own lights.
     ///
     /// # Errors
     /// [`BakeError::Store`] where it is not there, damaged, of another run or of another scene.
-    pub fn model(&self, unlit: &Scene) -> Result<(TransferModel, u32), BakeError> {
+    pub fn model(&self, unlit: &Scene) -> Result<(TransferModel, TransferFacts), BakeError> {
         let tables = read_transfer(&self.folder, &self.facts())?;
-        let lights = tables.whole.lights;
+        let facts = read::facts(&tables.whole);
         let broad = !self.config.narrow.is_learned();
-        Ok((read::model(&self.folder, unlit, tables, broad)?, lights))
+        Ok((read::model(&self.folder, unlit, tables, broad)?, facts))
     }
 }
 

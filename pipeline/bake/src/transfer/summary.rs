@@ -3,15 +3,49 @@
 use rrf_transfer::{PartFit, TransferCell, TransferModel};
 use serde::Serialize;
 
+/// The model's error on test rows, and the part of it that trusted answers have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct TransferTest {
+    /// Test rows.
+    pub test_rows: u32,
+    /// Relative error on them, noise taken out.
+    pub relative_error: f64,
+    /// Its standard error over rows.
+    pub relative_error_se: f64,
+    /// Median of the rows' relative errors; noise of the traced rows is left in it.
+    pub median_error: f64,
+    /// 95th percentile of them.
+    pub percentile_95: f64,
+    /// Share of the squared error that the worst 1 % of the rows make.
+    pub worst_share: f64,
+    /// Share of the rows whose answers are trusted.
+    pub trusted_share: f64,
+    /// Relative error of those.
+    pub trusted_error: f64,
+}
+
+/// All of a transfer that its cells do not say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TransferFacts {
+    /// Lights of the ensemble.
+    pub lights: u32,
+    /// Its error on test rows.
+    pub test: TransferTest,
+}
+
 /// A transfer in a few numbers, its error first.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TransferSummary {
-    /// Relative error over rows and lights that no cell was fitted to, noise taken out; each cell's
-    /// own has one standard error added, so that it is rather too large.
-    pub relative_error: f64,
+    /// Error on test rows.
+    #[serde(flatten)]
+    pub test: TransferTest,
+    /// Relative error over rows and lights that cells were not fitted to but chosen by, noise taken
+    /// out. The rows lie where light falls steeply, and each cell's own error has one standard error added, so
+    /// that it is too large.
+    pub held_out_error: f64,
     /// Its standard error, over cells.
-    pub relative_error_se: f64,
-    /// Rows that the error is taken over.
+    pub held_out_error_se: f64,
+    /// Rows that the held-out error is taken over.
     pub judged: u64,
     /// Rows that cells were fitted to.
     pub rows: u64,
@@ -30,8 +64,13 @@ pub struct TransferSummary {
 }
 
 impl TransferSummary {
-    /// Of a model that was fitted to some lights, to reach a relative error.
-    pub fn new(model: &TransferModel, lights: u32, target: f32) -> TransferSummary {
+    /// Whether the error on test rows is a relative error to reach or below.
+    pub fn meets(&self, target: f32) -> bool {
+        self.test.relative_error <= f64::from(target)
+    }
+
+    /// Of a model that is to reach a relative error.
+    pub fn new(model: &TransferModel, facts: TransferFacts, target: f32) -> TransferSummary {
         let judged = model.cells.iter().filter(|cell| cell.error.is_finite());
         let squares: Vec<(f64, f64)> = judged
             .map(|cell| (f64::from(cell.judged), f64::from(cell.error).powi(2)))
@@ -47,8 +86,9 @@ impl TransferSummary {
                 .any(|part| matches!(part, PartFit::Net(_)))
         };
         TransferSummary {
-            relative_error: error,
-            relative_error_se: se,
+            test: facts.test,
+            held_out_error: error,
+            held_out_error_se: se,
             judged: model.cells.iter().map(|cell| u64::from(cell.judged)).sum(),
             rows: model.cells.iter().map(|cell| u64::from(cell.rows)).sum(),
             cells: model.cells.len(),
@@ -60,7 +100,7 @@ impl TransferSummary {
                 .count(),
             patches: model.patches.len(),
             columns: model.used.iter().filter(|&&used| used).count(),
-            lights,
+            lights: facts.lights,
         }
     }
 }

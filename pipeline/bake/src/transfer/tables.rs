@@ -1,47 +1,68 @@
 //! A transfer as tables.
 
 use super::part_rows::part_row;
-use rrf_store::model::{TransferCellRow, TransferNodeRow, TransferRow, TransferTables};
-use rrf_transfer::{LEAF_AXIS, SurfaceCells, TransferModel};
+use super::summary::TransferFacts;
+use rrf_store::model::{
+    TransferCellRow, TransferNodeRow, TransferPartRow, TransferRow, TransferTables,
+};
+use rrf_transfer::{LEAF_AXIS, SurfaceCells, TransferCell, TransferModel};
 
 /// The axis of leaves in tables.
 pub(super) const LEAF: i8 = -1;
 /// Names of a cell's two parts.
 pub(super) const PARTS: [&str; 2] = ["base", "constant"];
 
-/// The tables of a model that was fitted to so many lights.
-pub(super) fn tables(model: &TransferModel, lights: u32) -> TransferTables {
-    let parts = (0u32..).zip(&model.cells).flat_map(|(cell, own)| {
-        let parts = PARTS.iter().zip(&own.parts);
-        parts.filter_map(move |(name, part)| part_row(cell, name, part))
-    });
-    let cells = (0u32..)
-        .zip(&model.cells)
-        .map(|(id, cell)| TransferCellRow {
-            cell_id: id,
-            error: cell.error.is_finite().then_some(cell.error),
-            rows: cell.rows,
-            judged: cell.judged,
-            rank: cell.read.rank as u32,
-            nodes: cell.read.nodes.clone(),
-            weights: cell.read.weights.clone(),
-            sketch: cell.sketch.clone(),
-        });
+/// The tables of a model.
+pub(super) fn tables(model: &TransferModel, facts: &TransferFacts) -> TransferTables {
     TransferTables {
-        whole: whole(model, lights),
-        nodes: nodes(&model.tree),
-        cells: cells.collect(),
-        parts: parts.collect(),
+        whole: whole(model, facts),
+        nodes: node_rows(&model.tree),
+        cells: cell_rows(&model.cells),
+        parts: part_rows(&model.cells),
     }
 }
 
-fn whole(model: &TransferModel, lights: u32) -> TransferRow {
-    let sizes = &model.sizes;
+/// Parts of cells as rows.
+pub(super) fn part_rows(cells: &[TransferCell]) -> Vec<TransferPartRow> {
+    let parts = (0u32..).zip(cells).flat_map(|(cell, own)| {
+        let parts = PARTS.iter().zip(&own.parts);
+        parts.filter_map(move |(name, part)| part_row(cell, name, part))
+    });
+    parts.collect()
+}
+
+/// Cells as rows.
+pub(super) fn cell_rows(cells: &[TransferCell]) -> Vec<TransferCellRow> {
+    let cells = (0u32..).zip(cells).map(|(id, cell)| TransferCellRow {
+        cell_id: id,
+        error: cell.error.is_finite().then_some(cell.error),
+        rows: cell.rows,
+        judged: cell.judged,
+        rank: cell.read.rank() as u32,
+        nodes: cell.read.nodes.clone(),
+        weight_scales: cell.read.weights.scales.clone(),
+        weights: cell.read.weights.values.clone(),
+        sketch_scales: cell.sketch.scales.clone(),
+        sketch: cell.sketch.values.clone(),
+    });
+    cells.collect()
+}
+
+fn whole(model: &TransferModel, facts: &TransferFacts) -> TransferRow {
+    let (sizes, test) = (&model.sizes, facts.test);
     TransferRow {
         receiver_points: model.receiver_points,
         numbers_seed: model.seed,
         trust: model.trust,
-        lights,
+        lights: facts.lights,
+        test_rows: test.test_rows,
+        relative_error: test.relative_error,
+        relative_error_se: test.relative_error_se,
+        median_error: test.median_error,
+        percentile_95: test.percentile_95,
+        worst_share: test.worst_share,
+        trusted_share: test.trusted_share,
+        trusted_error: test.trusted_error,
         patch_count: model.patch_config.count as u32,
         patch_directions: model.patch_config.directions,
         patch_gloss: model.patch_config.gloss,
@@ -50,9 +71,10 @@ fn whole(model: &TransferModel, lights: u32) -> TransferRow {
         size_levels: sizes.levels.values().map(|&l| u32::from(l)).collect(),
         columns_in_use: runs(&model.used),
         structure: structure(model),
-        sketch_rank: model.sketch.rank as u32,
+        sketch_rank: model.sketch.rank() as u32,
         sketch_nodes: model.sketch.nodes.clone(),
-        sketch_weights: model.sketch.weights.clone(),
+        sketch_scales: model.sketch.weights.scales.clone(),
+        sketch_weights: model.sketch.weights.values.clone(),
     }
 }
 
@@ -88,7 +110,8 @@ pub(super) fn of_runs(lengths: &[u32]) -> Vec<bool> {
         .collect()
 }
 
-fn nodes(tree: &SurfaceCells) -> Vec<TransferNodeRow> {
+/// The trees over surfaces as rows.
+pub(super) fn node_rows(tree: &SurfaceCells) -> Vec<TransferNodeRow> {
     let node = |(id, node): (u32, &rrf_transfer::CellNode)| {
         let leaf = node.axis == LEAF_AXIS;
         TransferNodeRow {

@@ -2,9 +2,11 @@
 
 use super::bake::make;
 use super::config::TransferBakeConfig;
-use super::ensemble::conditions;
+use super::ensemble::{conditions, light_stream};
+use super::observer::Observer;
 use super::read::model as read;
 use super::space::FreeSpace;
+use super::summary::TransferFacts;
 use super::tables::tables;
 use crate::settings::Preset;
 use rrf_scene::{LoadOptions, Scene, load};
@@ -13,11 +15,21 @@ use rrf_store::model::{read_transfer, write_transfer};
 use rrf_trace::Tracer;
 use rrf_transfer::{PartFit, TransferModel};
 
-fn made(scene: &Scene, unlit: &Scene, config: &TransferBakeConfig) -> (TransferModel, u32) {
+fn made(
+    scene: &Scene,
+    unlit: &Scene,
+    config: &TransferBakeConfig,
+) -> (TransferModel, TransferFacts) {
     let tracer = Tracer::new(unlit).unwrap();
     let space = FreeSpace::new(unlit, &tracer, (None, config.narrow), config.seed).unwrap();
-    let lights = conditions(unlit, &tracer, &space, config).unwrap();
-    make(scene, &space, &lights, config, &()).unwrap()
+    let stream = light_stream(config.seed);
+    let lights = conditions(unlit, &tracer, &space, config, stream).unwrap();
+    let (model, lights) = make(scene, &space, &lights, config, &Observer::new(&(), None)).unwrap();
+    let facts = TransferFacts {
+        lights,
+        ..TransferFacts::default()
+    };
+    (model, facts)
 }
 
 /// A glossy scene, so that viewers count and patches have directions, with finer patches in places.
@@ -30,7 +42,7 @@ fn models_come_back_to_the_bit() {
     let mut config = TransferBakeConfig::preset(Preset::Preview, 3);
     (config.patches, config.rows, config.paths) = (100, 300, 32);
     (config.points, config.suns, config.skies) = (30, 4, 2);
-    let (mut model, lights) = made(&scene, &unlit, &config);
+    let (mut model, facts_made) = made(&scene, &unlit, &config);
     let is_net = |part: &PartFit| matches!(part, PartFit::Net(_));
     assert!(model.cells.iter().flat_map(|c| &c.parts).any(is_net));
     // of a cell that no row judged
@@ -40,12 +52,12 @@ fn models_come_back_to_the_bit() {
         scene_hash: scene.hash_hex(),
         seed: 3,
     };
-    let written = tables(&model, lights);
+    let written = tables(&model, &facts_made);
     write_transfer(folder.path(), &written, &facts).unwrap();
     let tables_read = read_transfer(folder.path(), &facts).unwrap();
     assert_eq!(tables_read, written);
     let back = read(folder.path(), &unlit, tables_read, false).unwrap();
-    assert_eq!(tables(&back, lights), written);
+    assert_eq!(tables(&back, &facts_made), written);
     let parts = |model: TransferModel| {
         (
             (model.tree, model.cells, model.sketch, model.columns),
@@ -73,8 +85,8 @@ fn tables_that_form_no_model_are_refused() {
     let mut config = TransferBakeConfig::preset(Preset::Preview, 1);
     (config.patches, config.rows, config.paths) = (60, 150, 16);
     (config.points, config.suns, config.skies) = (20, 0, 0);
-    let (model, lights) = made(&scene, &unlit, &config);
-    let good = tables(&model, lights);
+    let (model, facts_made) = made(&scene, &unlit, &config);
+    let good = tables(&model, &facts_made);
     let run = std::path::Path::new("run");
     read(run, &unlit, good.clone(), false).unwrap();
     let last = good.nodes.len() as u32;
@@ -91,7 +103,10 @@ fn tables_that_form_no_model_are_refused() {
         ("column tree", Box::new(|t| t.cells[0].nodes[0] = u32::MAX)),
         ("weights has", Box::new(|t| t.cells[0].rank += 1)),
         ("cell_id", Box::new(|t| t.cells[1].cell_id = 7)),
-        ("sketch", Box::new(|t| t.cells[0].sketch[0] = f32::NAN)),
+        (
+            "sketch_scales",
+            Box::new(|t| t.cells[0].sketch_scales[0] = f32::NAN),
+        ),
         ("branch", Box::new(move |t| t.nodes[branch].below = Some(0))),
         (
             "branch",

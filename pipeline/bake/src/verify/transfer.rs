@@ -20,6 +20,12 @@ pub(super) fn check(folder: &Path, found: &mut Found) -> Result<bool, BakeError>
     let Some(run) = noted(found, &manifest, run, remedy)? else {
         return Ok(true);
     };
+    let progress = model_table_path(folder, Table::TransferProgress);
+    if progress.exists() {
+        // not finished; what is damaged is made again
+        found.known.insert(progress);
+        return Ok(false);
+    }
     if !begun {
         return Ok(false);
     }

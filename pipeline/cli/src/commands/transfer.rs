@@ -1,7 +1,7 @@
 //! `rrf bake --method transfer`.
 
 use crate::args::BakeArgs;
-use crate::failure::{BadInput, require_target};
+use crate::failure::require_target;
 use crate::memory::check_transfer;
 use crate::progress::Watching;
 use crate::run_location::RunLocation;
@@ -27,7 +27,7 @@ pub fn bake(args: &BakeArgs, watching: Watching) -> anyhow::Result<()> {
         true => println!("{:#}", told(args, &outcome, &cost, target)),
         false => print(args, &outcome, &cost, target),
     }
-    let error = outcome.summary.relative_error;
+    let error = outcome.summary.test.relative_error;
     let met = !args.require_target || meets(&outcome, target);
     Ok(require_target(&args.output, (error, target), met)?)
 }
@@ -39,18 +39,13 @@ pub fn baked(args: &BakeArgs, watching: Watching) -> anyhow::Result<Value> {
 }
 
 fn meets(outcome: &TransferOutcome, target: f32) -> bool {
-    outcome.summary.relative_error <= f64::from(target)
+    outcome.summary.meets(target)
 }
 
 fn work(args: &BakeArgs, watching: Watching) -> anyhow::Result<(TransferOutcome, Cost, f32)> {
     let start = Instant::now();
     let scene = scene_file::load(&args.scene, &args.settings.scene)?;
     let config = args.settings.transfer_config(&scene)?;
-    if args.bounds.memory.is_some() {
-        let told = "--memory with --method transfer: its rows are held in memory batch by batch, \
-                    whatever the limit; use fewer --rows, or --method nets";
-        return Err(BadInput(told.into()).into());
-    }
     check_transfer(config.rows, config.most_memory())?;
     let location = RunLocation::whole(&args.output)?;
     let folder = location.folder().to_path_buf();
@@ -80,6 +75,9 @@ fn told(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) ->
         "target": target,
         "target_met": meets(outcome, target),
         "was_finished": outcome.was_finished,
+        "relative_error": outcome.summary.test.relative_error,
+        "relative_error_se": outcome.summary.test.relative_error_se,
+        "cells": outcome.summary.cells,
         "model": outcome.summary,
         "model_bytes": cost.bytes,
         "processor_seconds": cost.processor,
@@ -89,8 +87,9 @@ fn told(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) ->
 
 fn print(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) {
     let TransferSummary {
-        relative_error,
-        relative_error_se,
+        test,
+        held_out_error,
+        held_out_error_se,
         judged,
         rows,
         cells,
@@ -104,11 +103,28 @@ fn print(args: &BakeArgs, outcome: &TransferOutcome, cost: &Cost, target: f32) {
         "{patches} patches, {columns} columns; {rows} rows under {lights} lights; {cells} cells, {nets} of them nets"
     );
     println!(
-        "relative error: {:.2} % ± {:.2} % (target {:.2} %) on {judged} rows and the lights that no cell \
-         was fitted to, one standard error added a cell; {missing} of {cells} cells miss the target",
-        100.0 * relative_error,
-        100.0 * relative_error_se,
+        "relative error: {:.2} % ± {:.2} % (target {:.2} %) on {} test rows, which no cell was fitted to",
+        100.0 * test.relative_error,
+        100.0 * test.relative_error_se,
         100.0 * target,
+        test.test_rows,
+    );
+    println!(
+        "  median {:.2} %, 95th percentile {:.2} %; the worst 1 % of the rows make {:.0} % of the squared error",
+        100.0 * test.median_error,
+        100.0 * test.percentile_95,
+        100.0 * test.worst_share,
+    );
+    println!(
+        "  trusted answers: {:.1} % of the rows, relative error {:.2} %",
+        100.0 * test.trusted_share,
+        100.0 * test.trusted_error,
+    );
+    println!(
+        "relative error on held-out rows: {:.2} % ± {:.2} % on {judged} rows where light falls steeply, one \
+         standard error added a cell; {missing} of {cells} cells miss the target",
+        100.0 * held_out_error,
+        100.0 * held_out_error_se,
     );
     println!(
         "  relative error: {}, Monte Carlo noise removed",

@@ -13,10 +13,7 @@ use rrf_field::{EvaluationTimings, Field, Light, LitField, Workspace};
 use rrf_lights::LightSource;
 use rrf_scene::Scene;
 use rrf_trace::{SurfacePoint, Tracer};
-use rrf_transfer::{LightBook, LitTransfer, RowPoint, SurfaceKey, TransferQuery};
-
-/// Share of a light that a transfer's basis may leave out for the frame to be trusted.
-pub const MOST_RESIDUAL: f32 = 0.1;
+use rrf_transfer::{LightBook, LitTransfer, MOST_RESIDUAL, RowPoint, SurfaceKey, TransferQuery};
 
 /// A baked model.
 #[derive(Clone, Copy)]

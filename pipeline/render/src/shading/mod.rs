@@ -32,8 +32,8 @@ use rrf_transfer::LightBook;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-pub use indirect::MOST_RESIDUAL;
 pub use points::PointAnswers;
+pub use rrf_transfer::MOST_RESIDUAL;
 
 /// Makes frame after frame of one scene and model, and keeps what the threads work with.
 pub struct Renderer<'a> {

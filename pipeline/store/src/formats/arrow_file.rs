@@ -7,25 +7,33 @@ use crate::error::StoreError;
 use arrow::array::RecordBatch;
 use arrow::compute::concat_batches;
 use arrow::error::ArrowError;
+use arrow::ipc::CompressionType;
 use arrow::ipc::reader::FileReader;
-use arrow::ipc::writer::FileWriter;
+use arrow::ipc::writer::{FileWriter, IpcWriteOptions};
 use std::io::Cursor;
 use std::path::Path;
 
 /// The bytes of an Arrow IPC file of one batch, not compressed.
 pub(crate) fn encode(batch: &RecordBatch) -> Result<Vec<u8>, ArrowError> {
-    let mut writer = FileWriter::try_new(Vec::new(), &batch.schema())?;
+    encode_by(batch, None)
+}
+
+fn encode_by(batch: &RecordBatch, by: Option<CompressionType>) -> Result<Vec<u8>, ArrowError> {
+    let options = IpcWriteOptions::default().try_with_compression(by)?;
+    let mut writer = FileWriter::try_new_with_options(Vec::new(), &batch.schema(), options)?;
     writer.write(batch)?;
     writer.into_inner()
 }
 
-/// Writes one batch as `path`, whole or not at all. A file that has the bytes is left alone.
+/// Writes one batch as `path`, compressed if asked for, whole or not at all. A file that has the bytes is
+/// left alone.
 pub(crate) fn write(
     path: &Path,
     table: &'static str,
     batch: &RecordBatch,
+    by: Option<CompressionType>,
 ) -> Result<(), StoreError> {
-    let bytes = encode(batch).map_err(|e| StoreError::Columns {
+    let bytes = encode_by(batch, by).map_err(|e| StoreError::Columns {
         table,
         reason: e.to_string(),
     })?;

@@ -24,6 +24,22 @@ table_row! {
         pub trust: f32,
         /// Lights of the ensemble.
         pub lights: u32,
+        /// Test rows.
+        pub test_rows: u32,
+        /// Relative error on them.
+        pub relative_error: f64,
+        /// Its standard error.
+        pub relative_error_se: f64,
+        /// Median of their relative errors.
+        pub median_error: f64,
+        /// 95th percentile of them.
+        pub percentile_95: f64,
+        /// Share of the squared error in the worst 1 % of them.
+        pub worst_share: f64,
+        /// Share of them whose answers are trusted.
+        pub trusted_share: f64,
+        /// Relative error of those.
+        pub trusted_error: f64,
         /// Patches asked for.
         pub patch_count: u32,
         /// Directions along each axis of a glossy patch.
@@ -44,8 +60,10 @@ table_row! {
         pub sketch_rank: u32,
         /// Nodes that they read.
         pub sketch_nodes: Vec<u32>,
+        /// Scale of each node's weights \[1/W\].
+        pub sketch_scales: Vec<f32>,
         /// Weights of the nodes in them.
-        pub sketch_weights: Vec<f32>,
+        pub sketch_weights: Vec<i8>,
     }
 }
 
@@ -90,10 +108,14 @@ table_row! {
         pub rank: u32,
         /// Nodes that it reads.
         pub nodes: Vec<u32>,
-        /// Their weights in the coefficients \[1/W\].
-        pub weights: Vec<f32>,
+        /// Scale of each node's weights \[1/W\].
+        pub weight_scales: Vec<f32>,
+        /// Their weights in the coefficients.
+        pub weights: Vec<i8>,
+        /// Scale of each combination.
+        pub sketch_scales: Vec<f32>,
         /// Its rows in the random combinations.
-        pub sketch: Vec<f32>,
+        pub sketch: Vec<i8>,
     }
 }
 
@@ -119,16 +141,37 @@ table_row! {
         pub input_high: Vec<f32>,
         /// Weights of the hidden units.
         pub hidden: Vec<f32>,
+        /// Scale of each row of output weights.
+        pub output_scales: Vec<f32>,
         /// Output weights.
-        pub output: Vec<f32>,
+        pub output: Vec<i8>,
         /// Metres that turns are worth.
         pub turns: Vec<f32>,
         /// Places of nodes.
         pub places: Vec<f32>,
         /// Normals of nodes.
         pub normals: Vec<f32>,
+        /// Scale of each value and slope.
+        pub value_scales: Vec<f32>,
         /// Values and slopes of nodes.
-        pub values: Vec<f32>,
+        pub values: Vec<i8>,
+    }
+}
+
+table_row! {
+    /// How far a transfer is that is not finished, as in `schemas/transfer_progress.toml`.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct TransferProgressRow of TransferProgress {
+        /// Batches of surfaces that are done.
+        pub batches: u32,
+        /// Rows that they traced.
+        pub rows: u64,
+        /// Their nodes, first of the table's.
+        pub nodes: u32,
+        /// Their cells, first of the table's.
+        pub cells: u32,
+        /// Their rows in the random combinations, every column.
+        pub sketch: Vec<f32>,
     }
 }
 
@@ -171,6 +214,50 @@ pub fn write_transfer(
     write_own(run, &tables.cells, facts)?;
     write_own(run, &tables.nodes, facts)?;
     write_own(run, std::slice::from_ref(&tables.whole), facts)
+}
+
+/// Writes how far a transfer is, after the tables of its cells: these only grow, so that a row that tells of
+/// fewer is still right.
+///
+/// # Errors
+/// [`StoreError::Io`].
+pub fn write_transfer_progress(
+    run: &Path,
+    tables: &TransferTables,
+    progress: &TransferProgressRow,
+    facts: &RunFacts,
+) -> Result<(), StoreError> {
+    write_own(run, &tables.parts, facts)?;
+    write_own(run, &tables.cells, facts)?;
+    write_own(run, &tables.nodes, facts)?;
+    write_own(run, std::slice::from_ref(progress), facts)
+}
+
+/// Reads how far a transfer is, and the tables of its cells; none where there is no such table.
+///
+/// # Errors
+/// Those of [`super::read_tree`].
+pub fn read_transfer_progress(
+    run: &Path,
+    facts: &RunFacts,
+) -> Result<Option<(TransferTables, TransferProgressRow)>, StoreError> {
+    if !path(run, Table::TransferProgress).exists() {
+        return Ok(None);
+    }
+    let mut progress: Vec<TransferProgressRow> = read_own(run, Table::TransferProgress, facts)?;
+    let rows = progress.len();
+    let (Some(progress), 1) = (progress.pop(), rows) else {
+        let reason = format!("it has {rows} rows where a transfer has one");
+        let table = Table::TransferProgress;
+        return Err(transfer_fault(run, table, "table".into(), reason));
+    };
+    let tables = TransferTables {
+        whole: TransferRow::default(),
+        nodes: read_own(run, Table::TransferTree, facts)?,
+        cells: read_own(run, Table::TransferCells, facts)?,
+        parts: read_own(run, Table::TransferParts, facts)?,
+    };
+    Ok(Some((tables, progress)))
 }
 
 /// Reads the tables of a transfer; [`StoreError::Model`] where `transfer.arrow` has not one row.

@@ -61,4 +61,6 @@ tables! {
     TransferCells = "transfer_cells",
     /// Their parts, `model/transfer_parts.arrow`.
     TransferParts = "transfer_parts",
+    /// How far a transfer is that is not finished, `model/transfer_progress.arrow`.
+    TransferProgress = "transfer_progress",
 }

@@ -4,7 +4,7 @@ use rrf_field::columns::{COUNT, GEOMETRY, NAMES};
 use rrf_store::schema::{Column, TABLES, Table, table};
 
 /// Version of each table and what its columns hashed to when it was given that version.
-const PINNED: [(Table, u32, &str); 14] = [
+const PINNED: [(Table, u32, &str); 15] = [
     (Table::Samples, 1, "1ef54b601e453216"),
     (Table::Tree, 1, "f207d34842db00d3"),
     (Table::Weights, 3, "61af74b0712c890f"),
@@ -15,10 +15,11 @@ const PINNED: [(Table, u32, &str); 14] = [
     (Table::Tasks, 2, "1e13a503b7a07b05"),
     (Table::Results, 2, "2f45c5be5c2d66bb"),
     (Table::Steps, 1, "8955d1acd068e87a"),
-    (Table::Transfer, 1, "6e2a1a6b75eec2d0"),
+    (Table::Transfer, 2, "88452d268edb66f6"),
     (Table::TransferTree, 1, "eec084312dd4bf6f"),
-    (Table::TransferCells, 1, "fa885c9075e71174"),
-    (Table::TransferParts, 1, "79b7e0d59c20ea53"),
+    (Table::TransferCells, 2, "9ad9875cdf870766"),
+    (Table::TransferParts, 2, "9a15500e1ee5b09d"),
+    (Table::TransferProgress, 1, "91aebb63cd09f5bb"),
 ];
 
 /// Names, types, units and frames are what files promise: whoever changes one gives the table

@@ -98,10 +98,10 @@ fn report(
         "   {} cells, {} by nets, {:.1} directions of {:.0} nodes; {:.2} MB, {:.2} MB of it reads",
         model.cells.len(),
         model.cells.iter().filter(|c| nets(c)).count(),
-        mean(&|cell| cell.read.rank),
+        mean(&|cell| cell.read.rank()),
         mean(&|cell| cell.read.nodes.len()),
-        4e-6 * model.numbers() as f64,
-        4e-6 * mean(&|cell| cell.read.numbers()) * model.cells.len() as f64,
+        1e-6 * model.bytes() as f64,
+        1e-6 * mean(&|cell| cell.read.bytes()) * model.cells.len() as f64,
     );
     println!(
         "   {unknown} answers without a cell, residual {:.1} %",
@@ -195,7 +195,7 @@ fn worst(
             query.geometric,
             query.surface,
             query.base_color,
-            cell.map(|c| (c.read.rank, c.read.nodes.len(), c.rows, c.error)),
+            cell.map(|c| (c.read.rank(), c.read.nodes.len(), c.rows, c.error)),
             mean(predicted),
             mean(&truth.halves[0]),
         );

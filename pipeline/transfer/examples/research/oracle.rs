@@ -103,7 +103,7 @@ pub fn bake(tracer: &Tracer, places: &Places, config: &TransferConfig) -> Transf
         "{} lights, {} cells, {:.2} MB: {:.1} CPU s",
         lights.len(),
         model.cells.len(),
-        4e-6 * model.numbers() as f64,
+        1e-6 * model.bytes() as f64,
         cpu() - start
     );
     model

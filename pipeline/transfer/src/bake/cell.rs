@@ -4,20 +4,20 @@ use super::batch::{Batch, scales};
 use super::compress::{DenseRead, clustered};
 use super::config::{CellChoice, TransferConfig};
 use super::directions::Directions;
-use super::judge::{Judged, bear_out, judged_error};
+use super::exact::ExactParts;
+use super::judge::{Judged, borne_out, judged_error};
 use super::lighting::Lighting;
 use super::sketch::{SketchRow, sign};
 use super::smooth::Smoothed;
 use crate::TransferError;
 use crate::columns::ColumnTree;
-use crate::model::{PartFit, SKETCHES, TransferCell, TransferNet, TransferNodes};
-use crate::query::{INPUTS, VIEW};
+use crate::model::{PackedRows, PartFit, SKETCHES, TransferCell};
 use crate::reflectance::Reflectances;
-use crate::regression::{LocalFits, NetConfig, Samples, fit_net};
+use crate::regression::LocalFits;
 use crate::svd::leading;
 use crate::tracing::Stream;
 use glam::Vec3;
-use ndarray::{Array1, Array2};
+use ndarray::Array2;
 
 /// Data and settings that all cells are fitted by.
 pub(crate) struct CellFitter<'a> {
@@ -32,11 +32,6 @@ pub(crate) struct CellFitter<'a> {
     pub(crate) config: &'a TransferConfig,
 }
 
-/// Spread below which an input says nothing.
-const SPREAD: f32 = 1e-4;
-/// Rows that a hidden unit asks for, and units that a net has all the same.
-const ROWS_A_UNIT: usize = 10;
-const LEAST_UNITS: usize = 2;
 /// Rows below which no net is fitted.
 const LEAST_ROWS: usize = 24;
 /// Nodes of the column tree that a cell reads at most.
@@ -58,14 +53,9 @@ impl CellFitter<'_> {
         let smoothed = Smoothed::new(&self.batch.table, self.fits, rows, has, view);
         let directions = self.directions(rows, &smoothed, stream.part(0))?;
         let dense = self.dense_read(rows, &smoothed, &directions);
-        let (error, numbers) = (self.config.cluster_error, stream.part(4));
-        let (columns, lighting) = (self.columns, self.lighting);
-        let read = clustered(&dense, columns, lighting, error, MOST_NODES, numbers);
-        let lights: Vec<Vec<Vec3>> = (self.lighting.judges.iter())
-            .map(|light| read.coefficients(&self.columns.fluxes(light)))
-            .collect();
+        let lights = dense.judging(self.lighting);
         let judge_shares: Vec<[Vec3; 2]> = judges.iter().map(|&row| self.shares(row)).collect();
-        let mut best: Option<(Judged, TransferCell)> = None;
+        let mut best: Option<(Judged, ExactParts, [Vec<f32>; 2])> = None;
         for is_net in [true, false] {
             let skip = match self.config.choice {
                 CellChoice::Best => false,
@@ -76,54 +66,66 @@ impl CellFitter<'_> {
                 continue;
             }
             let part = |part: usize| match (has[part], is_net) {
-                (false, _) => Some(PartFit::Nothing),
-                (true, true) => self
-                    .net(rows, &smoothed, &directions, part, view[part], stream)
-                    .map(PartFit::Net),
+                (false, _) => Some((PartFit::Nothing, Vec::new())),
+                (true, true) => self.net(rows, &smoothed, &directions, part, view[part], stream),
                 (true, false) => {
-                    let nodes = self.nodes(rows, &smoothed, &directions, part, view[part], stream);
-                    Some(PartFit::Nodes(nodes))
+                    Some(self.nodes(rows, &smoothed, &directions, part, view[part], stream))
                 }
             };
             let (Some(base), Some(constant)) = (part(0), part(1)) else {
                 continue;
             };
-            let mut parts = [base, constant];
-            bear_out(
-                &mut parts,
-                &self.batch.table,
-                judges,
-                &judge_shares,
-                &directions,
-            );
-            let judged = judged_error(&parts, self.batch, judges, &lights, self.reflectances);
+            let mut parts = ExactParts::new([base, constant], directions.rank);
+            let table = &self.batch.table;
+            let borne = borne_out(&parts.fits, table, judges, &judge_shares, &directions);
+            parts.scale(&borne);
+            let judged = self.judged(&parts.fits, judges, &lights);
             // a net stands unless local fits are clearly better
             let patience = self.config.patience;
-            if best
-                .as_ref()
-                .is_none_or(|(of, _)| judged.beats(of, patience))
-            {
-                let cell = TransferCell {
-                    error: judged.stated(),
-                    parts,
-                    rows: rows.len() as u32,
-                    judged: judges.len() as u32,
-                    ..TransferCell::default()
-                };
-                best = Some((judged, cell));
+            let beaten = |(of, ..): &(Judged, _, _)| judged.beats(of, patience);
+            if best.as_ref().is_none_or(beaten) {
+                best = Some((judged, parts, borne));
             }
         }
-        let mut cell = best.map_or_else(
-            || TransferCell {
+        let Some((judged, mut parts, borne)) = best else {
+            let picked = self.sketch(rows, &smoothed, &directions).0;
+            let none = TransferCell {
                 error: f32::INFINITY,
                 ..TransferCell::default()
-            },
-            |(_, cell)| cell,
+            };
+            return Ok((none, picked));
+        };
+        // what is left out may add a share of the error that the cell has anyway
+        let allowed = self.config.left_out(judged.stated());
+        let kept = directions.needed(&borne, allowed);
+        parts.keep(&kept);
+        let (directions, dense) = (directions.only(&kept), dense.only(&kept));
+        let (columns, lighting) = (self.columns, self.lighting);
+        let read = clustered(
+            &dense,
+            columns,
+            lighting,
+            allowed,
+            MOST_NODES,
+            stream.part(4),
         );
-        let picked;
-        (picked, cell.sketch) = self.sketch(rows, &smoothed, &directions);
-        cell.read = read;
+        let lights: Vec<Vec<Vec3>> = (lighting.judges_on_nodes.iter())
+            .map(|fluxes| read.coefficients(fluxes))
+            .collect();
+        let (picked, sketch) = self.sketch(rows, &smoothed, &directions);
+        let cell = TransferCell {
+            error: self.judged(&parts.fits, judges, &lights).stated(),
+            parts: parts.fits,
+            rows: rows.len() as u32,
+            judged: judges.len() as u32,
+            sketch: PackedRows::pack(&sketch, directions.rank),
+            read,
+        };
         Ok((cell, picked))
+    }
+
+    fn judged(&self, parts: &[PartFit; 2], judges: &[u32], lights: &[Vec<Vec3>]) -> Judged {
+        judged_error(parts, self.batch, judges, lights, self.reflectances)
     }
 
     fn material(&self, row: u32) -> u32 {
@@ -136,7 +138,7 @@ impl CellFitter<'_> {
     }
 
     /// Weights of a row's parts in its radiance, relative to what it gets.
-    fn shares(&self, row: u32) -> [Vec3; 2] {
+    pub(super) fn shares(&self, row: u32) -> [Vec3; 2] {
         let query = &self.batch.table.queries[row as usize];
         let weight = self.fits.weights[row as usize];
         let [base, constant] = (self.reflectances).at(query.surface.material, query.facing());
@@ -230,95 +232,6 @@ impl CellFitter<'_> {
             }
         }
         DenseRead { rank, weights }
-    }
-
-    fn net(
-        &self,
-        rows: &[u32],
-        smoothed: &Smoothed,
-        directions: &Directions,
-        part: usize,
-        view: bool,
-        stream: Stream,
-    ) -> Option<TransferNet> {
-        let queries = rows
-            .iter()
-            .map(|&row| &self.batch.table.queries[row as usize]);
-        let all: Vec<[f32; INPUTS]> = queries.map(|query| query.inputs()).collect();
-        let spread = |j: usize| {
-            let start = (f32::INFINITY, f32::NEG_INFINITY);
-            let (low, high) = all
-                .iter()
-                .fold(start, |(l, h), x| (l.min(x[j]), h.max(x[j])));
-            high - low > SPREAD
-        };
-        let seen = if view { INPUTS } else { VIEW };
-        let inputs: Vec<u8> = (0..seen).filter(|&j| spread(j)).map(|j| j as u8).collect();
-        if inputs.is_empty() {
-            return None;
-        }
-        let count = (self.batch.table.lights as f64).sqrt();
-        let made: Vec<Vec<f32>> = (0..rows.len())
-            .map(|i| directions.made(smoothed.part(i, part)))
-            .collect();
-        let samples = Samples {
-            x: Array2::from_shape_fn((rows.len(), inputs.len()), |(i, j)| {
-                f64::from(all[i][inputs[j] as usize])
-            }),
-            inputs,
-            y: Array2::from_shape_fn((rows.len(), 3 * directions.rank), |(i, k)| {
-                f64::from(made[i][k])
-            }),
-            weights: Array1::from_shape_fn(rows.len(), |i| {
-                f64::from(self.shares(rows[i])[part].element_sum() / 3.0)
-            }),
-            scales: Array1::from_shape_fn(3 * directions.rank, |k| {
-                (directions.values[k / 3] / count).max(1e-12)
-            }),
-        };
-        let most = (rows.len() / ROWS_A_UNIT).max(LEAST_UNITS);
-        let config = NetConfig {
-            units: self.config.net.units.min(most),
-            ..self.config.net
-        };
-        fit_net(&samples, &config, stream.part(1 + part as u32))
-    }
-
-    /// Local fits at some of the rows' own points.
-    fn nodes(
-        &self,
-        rows: &[u32],
-        smoothed: &Smoothed,
-        directions: &Directions,
-        part: usize,
-        view: bool,
-        stream: Stream,
-    ) -> TransferNodes {
-        let table = &self.batch.table;
-        let numbers = stream.part(3);
-        let mut order: Vec<usize> = (0..rows.len()).collect();
-        order.sort_by_key(|&i| (numbers.block(i as u64, 0, 0)[0], i));
-        order.truncate(self.config.nodes.max(1));
-        order.sort_unstable();
-        let local = &self.config.local;
-        let mut nodes = TransferNodes {
-            turns: [local.turn, if view { local.view } else { 0.0 }],
-            ..TransferNodes::default()
-        };
-        for i in order {
-            let Some(fit) = &smoothed.combinations[i][part] else {
-                continue;
-            };
-            let query = &table.queries[rows[i] as usize];
-            nodes.places.extend(query.inputs());
-            nodes.normals.extend(query.geometric.to_array());
-            for which in 0..3 {
-                nodes
-                    .values
-                    .extend(directions.made(&fit.apply(table, part, which)));
-            }
-        }
-        nodes
     }
 
     /// Some of the smoothed rows, and the cell's own part of their random combinations, shape

@@ -50,8 +50,10 @@ pub struct TransferConfig {
     pub cell_rank: usize,
     /// Share of the light that a cell's directions may leave out.
     pub cell_error: f64,
-    /// Share of the light that clusters of patches may leave out.
+    /// Share of the light that clusters of patches may leave out at least.
     pub cluster_error: f64,
+    /// What clusters and directions may leave out, as a share of the cell's own error.
+    pub left_out: f64,
     /// One row of so many judges and is not fitted to.
     pub judging: u32,
     /// Further rounds of rows at most, beside rows of cells whose error is above the target.
@@ -70,6 +72,17 @@ pub struct TransferConfig {
     pub patience: f32,
     /// Cells with a larger error are not trusted.
     pub trust: f32,
+}
+
+impl TransferConfig {
+    /// Share of the light that the clusters, and again the directions, of a cell of some error may leave
+    /// out: cells that are not trusted may leave out what the worst trusted ones do.
+    pub(crate) fn left_out(&self, error: f32) -> f64 {
+        let most = self.left_out * f64::from(self.trust);
+        (self.left_out * f64::from(error))
+            .min(most)
+            .max(self.cluster_error)
+    }
 }
 
 impl Default for TransferConfig {
@@ -96,7 +109,8 @@ impl Default for TransferConfig {
             cell_rows: 400,
             cell_rank: 16,
             cell_error: 0.01,
-            cluster_error: 0.01,
+            cluster_error: 0.003,
+            left_out: 0.03,
             judging: 8,
             rounds: 1,
             target: 0.05,

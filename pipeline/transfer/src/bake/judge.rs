@@ -90,15 +90,15 @@ pub(crate) fn judged_error(
     Judged::of(if lights.is_empty() { &[] } else { &sums })
 }
 
-/// Directions count as far as rows bear them out that were not fitted to: the weak ones are
+/// How far rows that were not fitted to bear out each direction, in either part: the weak ones are
 /// noise in part, which a light that stands near what they see would bring out.
-pub(crate) fn bear_out(
-    parts: &mut [PartFit; 2],
+pub(crate) fn borne_out(
+    parts: &[PartFit; 2],
     table: &RowTable,
     judges: &[u32],
     shares: &[[Vec3; 2]],
     directions: &Directions,
-) {
+) -> [Vec<f32>; 2] {
     let queries = judges.iter();
     let queries: Vec<&TransferQuery> = queries.map(|&row| &table.queries[row as usize]).collect();
     let made = [0, 1].map(|part: usize| {
@@ -107,7 +107,10 @@ pub(crate) fn bear_out(
             .collect::<Vec<_>>()
     });
     let weight = |share: &Vec3| f64::from(share.element_sum() / 3.0).powi(2);
-    let mut factors = [vec![1.0f32; directions.rank], vec![1.0f32; directions.rank]];
+    let mut factors = parts.each_ref().map(|part| match part {
+        PartFit::Nothing => vec![0.0f32; directions.rank],
+        _ => vec![1.0; directions.rank],
+    });
     let mut found = Vec::new();
     for k in 0..directions.rank {
         let mut unit = vec![Vec3::ZERO; directions.rank];
@@ -131,9 +134,7 @@ pub(crate) fn bear_out(
             }
         }
     }
-    for (part, factors) in parts.iter_mut().zip(&factors) {
-        part.scale(factors);
-    }
+    factors
 }
 
 #[cfg(test)]

@@ -24,6 +24,10 @@ pub(crate) struct Lighting {
     pub(crate) mean: Vec<Vec3>,
     /// Irradiances of the lights that judge.
     pub(crate) judges: Vec<Vec<Vec3>>,
+    /// The same, shape [columns, judges, 3].
+    judges_on_columns: Vec<f32>,
+    /// What of them reaches each node of the column tree.
+    pub(crate) judges_on_nodes: Vec<Vec<Vec3>>,
     /// Some of the ensemble's lights on every node of the column tree, shape [nodes, some].
     pub(crate) on_nodes: Vec<f32>,
     /// Which those are.
@@ -85,6 +89,12 @@ impl Lighting {
         &self.on_columns[first..first + self.some.len()]
     }
 
+    /// The judging lights on a column, shape [judges, 3].
+    pub(crate) fn judges_on(&self, column: usize) -> &[f32] {
+        let width = 3 * self.judges.len();
+        &self.judges_on_columns[column * width..(column + 1) * width]
+    }
+
     /// From lights that are weighted.
     fn of(
         ensemble: Ensemble,
@@ -104,7 +114,13 @@ impl Lighting {
             let row = ensemble.row(column);
             some.iter().map(|&l| row[l])
         });
+        let judged = (0..columns.columns()).flat_map(|column| {
+            let own = judges.iter().map(move |light| light[column]);
+            own.flat_map(|e| e.to_array())
+        });
         Lighting {
+            judges_on_columns: judged.collect(),
+            judges_on_nodes: judges.iter().map(|light| columns.fluxes(light)).collect(),
             on_columns: on_columns.collect(),
             mean: ensemble.mean(),
             ensemble,

@@ -5,6 +5,8 @@ use super::compress::clustered;
 use super::config::TransferConfig;
 use super::draw::{PointDraw, choose, met};
 use super::lighting::Lighting;
+use super::memory::MemoryNeed;
+use super::progress::TransferProgress;
 use super::rounds::{RoundStreams, Rounds};
 use super::sizes::{finer_sizes, uneven};
 use super::sketch::Sketch;
@@ -13,7 +15,7 @@ use crate::TransferError;
 use crate::columns::ColumnTree;
 use crate::irradiance::Receivers;
 use crate::lights::DirectLight;
-use crate::model::{SurfaceCells, TransferModel, receiver_stream};
+use crate::model::{TransferModel, receiver_stream};
 use crate::patches::{PatchSizes, Patches};
 use crate::query::{SurfaceKey, TransferQuery};
 use crate::reflectance::Reflectances;
@@ -25,6 +27,8 @@ use std::collections::BTreeMap;
 
 /// Nodes of the column tree that the residual is measured by, at most.
 const SKETCH_NODES: usize = 4_096;
+/// Share of the light that those may leave out.
+const SKETCH_ERROR: f64 = 0.02;
 
 /// Bakes a scene: everything but the lights, which are only examples of what may come.
 ///
@@ -67,6 +71,7 @@ pub fn bake_transfer(
     watch.begin(TransferStage::Lights, lights.len() as u64);
     let colours: Vec<Vec3> = pilot.iter().map(colour).collect();
     let lighting = Lighting::new(&receivers, lights, &pilot_rows, &colours, &columns, watch)?;
+    let memory = MemoryNeed::new(&pilot_rows, &lighting, &columns, config, watch);
     drop(pilot_rows);
     let reflectances = Reflectances::new(tracer.scene(), config.paths.broad);
     let materials = tracer.scene().materials.iter();
@@ -87,30 +92,42 @@ pub fn bake_transfer(
             fits: stream,
             sketch: stream,
         },
+        memory,
     };
     watch.begin(TransferStage::Cells, chosen.points.len() as u64);
-    let (mut tree, mut cells) = (SurfaceCells::default(), Vec::new());
-    let (mut sketch, mut first) = (Sketch::new(columns.columns()), 0);
-    for points in batches(tracer, chosen.points, config.rows_at_once) {
-        // rows are numbered in their batch: signs and fits have to know which it is
+    let batches = batches(tracer, chosen.points, config.rows_at_once);
+    memory.check(batches.iter().map(Vec::len).max().unwrap_or(0))?;
+    let width = columns.columns();
+    let earlier = watch.resume(columns.len(), width)?;
+    let mut done = (earlier.filter(|earlier| earlier.fits(width)))
+        .unwrap_or_else(|| TransferProgress::new(width));
+    for (number, points) in (0u32..).zip(batches) {
         let count = points.len() as u64;
-        rounds.streams.sketch = stream.part(10).part(first as u32);
-        rounds.streams.fits = Stream::new(config.seed, Stage::Transfer, 1).part(first as u32);
-        for fit in rounds
-            .fit(points, &mut first, &mut sketch, watch)?
-            .into_values()
-        {
-            tree.append(&fit.tree, cells.len() as u32);
-            cells.extend(fit.cells);
+        if number < done.batches {
+            watch.advance(count);
+            continue;
         }
+        // rows are numbered in their batch: signs and fits have to know which it is
+        let first = done.rows as u32;
+        rounds.streams.sketch = stream.part(10).part(first);
+        rounds.streams.fits = Stream::new(config.seed, Stage::Transfer, 1).part(first);
+        let mut sketch = Sketch::of(width, std::mem::take(&mut done.sketch));
+        let fits = rounds.fit(points, &mut done.rows, &mut sketch, watch)?;
+        done.sketch = sketch.into_sums();
+        for fit in fits.into_values() {
+            done.append(&fit.tree, fit.cells);
+        }
+        done.batches += 1;
+        watch.keep(&done)?;
         watch.advance(count);
     }
-    let (error, numbers) = (config.cluster_error, stream.part(11));
+    let sketch = Sketch::of(width, done.sketch);
+    let numbers = stream.part(11);
     let sketch = clustered(
         &sketch.read(),
         &columns,
         &lighting,
-        error,
+        SKETCH_ERROR,
         SKETCH_NODES,
         numbers,
     );
@@ -120,8 +137,8 @@ pub fn bake_transfer(
         broad: config.paths.broad,
         sketch,
         trust: config.trust,
-        tree,
-        cells,
+        tree: done.tree,
+        cells: done.cells,
         sizes,
         used,
         patch_config: config.patches,

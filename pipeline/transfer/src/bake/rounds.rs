@@ -3,6 +3,7 @@
 use super::batch::{Batch, BatchTracer};
 use super::cell::CellFitter;
 use super::draw::near;
+use super::memory::MemoryNeed;
 use super::sketch::{Sketch, SketchRow};
 use super::tree::cut;
 use super::watch::TransferWatch;
@@ -35,6 +36,7 @@ pub(crate) struct Rounds<'a> {
     pub(crate) metals: &'a [bool],
     pub(crate) columns: &'a ColumnTree,
     pub(crate) streams: RoundStreams,
+    pub(crate) memory: MemoryNeed,
 }
 
 /// One surface's cells.
@@ -88,7 +90,7 @@ impl Rounds<'_> {
                 }
                 more.len() > before
             });
-            if more.is_empty() {
+            if more.is_empty() || !self.memory.allows(points.len() + more.len()) {
                 break;
             }
             batch.append(self.trace(&more, first)?);

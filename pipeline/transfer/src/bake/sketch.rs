@@ -34,11 +34,14 @@ pub(crate) fn sign(stream: Stream, row: u32, sketch: usize) -> f32 {
 }
 
 impl Sketch {
-    pub(crate) fn new(columns: usize) -> Sketch {
-        Sketch {
-            columns,
-            sums: vec![0.0; SKETCHES * columns],
-        }
+    /// From sums so far, shape [sketches, columns].
+    pub(crate) fn of(columns: usize, sums: Vec<f32>) -> Sketch {
+        Sketch { columns, sums }
+    }
+
+    /// The sums so far.
+    pub(crate) fn into_sums(self) -> Vec<f32> {
+        self.sums
     }
 
     /// Adds smoothed rows of a batch, the mean of their channels.

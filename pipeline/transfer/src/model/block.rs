@@ -188,6 +188,7 @@ fn of_nodes(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::PackedRows;
     use rrf_sampling::{Stage, Stream};
 
     fn numbers(seed: u64, count: usize) -> Vec<f32> {
@@ -219,7 +220,7 @@ mod tests {
             low: vec![-1.0; d],
             high: vec![0.9; d],
             hidden: numbers(3, units * (d + 1)),
-            output: numbers(4, (1 + d + units) * outputs),
+            output: PackedRows::pack(&numbers(4, (1 + d + units) * outputs), outputs),
         };
         let count = 40;
         let normals = numbers(6, 3 * count);
@@ -228,7 +229,7 @@ mod tests {
             turns: [0.2, 0.1],
             places: numbers(5, PLACE_NUMBERS * count),
             normals: normals.flat_map(|n| n.to_array()).collect(),
-            values: numbers(7, count * 3 * outputs),
+            values: PackedRows::pack(&numbers(7, count * 3 * outputs), outputs),
         };
         [PartFit::Net(net), PartFit::Nodes(nodes)]
     }

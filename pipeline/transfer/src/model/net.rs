@@ -1,5 +1,6 @@
 //! A net with one hidden layer and many linear outputs, and the same under one light.
 
+use super::packed::PackedRows;
 use crate::query::INPUTS;
 use glam::Vec3;
 
@@ -18,8 +19,8 @@ pub struct TransferNet {
     pub high: Vec<f32>,
     /// Shape [units, inputs + 1] row-major, the constant last.
     pub hidden: Vec<f32>,
-    /// Shape [1 + inputs + units, outputs] row-major.
-    pub output: Vec<f32>,
+    /// Shape [1 + inputs + units, outputs].
+    pub output: PackedRows,
 }
 
 impl TransferNet {
@@ -33,9 +34,9 @@ impl TransferNet {
         1 + self.inputs.len() + self.units()
     }
 
-    /// How many numbers it consists of.
-    pub fn numbers(&self) -> usize {
-        4 * self.inputs.len() + self.hidden.len() + self.output.len()
+    /// Bytes of its numbers.
+    pub fn bytes(&self) -> usize {
+        4 * (4 * self.inputs.len() + self.hidden.len()) + self.output.bytes()
     }
 
     /// The outputs for a light: each row of output weights, shape [rank, 3], with the light's

@@ -1,5 +1,6 @@
 //! Local fits kept at nodes, blended between them.
 
+use super::packed::PackedRows;
 use crate::query::TransferQuery;
 use glam::Vec3;
 
@@ -19,8 +20,8 @@ pub struct TransferNodes {
     pub places: Vec<f32>,
     /// Shape [nodes, 3]: the geometric normal, whose tangents the slopes are along.
     pub normals: Vec<f32>,
-    /// Shape [nodes, 3, rank, 3]: value and two slopes [1/m].
-    pub values: Vec<f32>,
+    /// Shape [3 nodes, 3 rank]: each node's value and two slopes [1/m].
+    pub values: PackedRows,
 }
 
 impl TransferNodes {
@@ -34,9 +35,9 @@ impl TransferNodes {
         self.places.is_empty()
     }
 
-    /// How many numbers it consists of.
-    pub fn numbers(&self) -> usize {
-        2 + self.places.len() + self.normals.len() + self.values.len()
+    /// Bytes of its numbers.
+    pub fn bytes(&self) -> usize {
+        4 * (2 + self.places.len() + self.normals.len()) + self.values.bytes()
     }
 
     /// Value and slopes of every node for a light, a channel each.

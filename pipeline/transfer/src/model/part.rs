@@ -2,6 +2,7 @@
 
 use super::net::TransferNet;
 use super::nodes::TransferNodes;
+use super::packed::PackedRows;
 use crate::query::TransferQuery;
 use glam::Vec3;
 
@@ -46,26 +47,22 @@ impl PartFit {
         }
     }
 
-    /// Multiplies what it makes of each of a light's coefficients.
-    pub(crate) fn scale(&mut self, factors: &[f32]) {
-        let values = match self {
-            PartFit::Nothing => return,
-            PartFit::Net(net) => &mut net.output,
-            PartFit::Nodes(nodes) => &mut nodes.values,
-        };
-        for row in values.chunks_exact_mut(3 * factors.len().max(1)) {
-            for (own, by) in row.chunks_exact_mut(3).zip(factors) {
-                own.iter_mut().for_each(|x| *x *= by);
-            }
+    /// Packs what it makes of each of a light's coefficients, rows of `width` numbers.
+    pub(crate) fn pack(&mut self, exact: &[f32], width: usize) {
+        let packed = PackedRows::pack(exact, width);
+        match self {
+            PartFit::Nothing => {}
+            PartFit::Net(net) => net.output = packed,
+            PartFit::Nodes(nodes) => nodes.values = packed,
         }
     }
 
-    /// How many numbers it consists of.
-    pub fn numbers(&self) -> usize {
+    /// Bytes of its numbers.
+    pub fn bytes(&self) -> usize {
         match self {
             PartFit::Nothing => 0,
-            PartFit::Net(net) => net.numbers(),
-            PartFit::Nodes(nodes) => nodes.numbers(),
+            PartFit::Net(net) => net.bytes(),
+            PartFit::Nodes(nodes) => nodes.bytes(),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::cells::SurfaceCells;
 use super::light::LightCoefficients;
+use super::packed::PackedRows;
 use super::part::PartFit;
 use super::read::LightRead;
 use crate::TransferError;
@@ -15,7 +16,7 @@ use rayon::prelude::*;
 use rrf_sampling::Stage;
 
 /// Random combinations of rows by which a light's residual is measured.
-pub(crate) const SKETCHES: usize = 32;
+pub const SKETCHES: usize = 32;
 
 /// A cell.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,7 +33,7 @@ pub struct TransferCell {
     /// Rows that the error is taken over.
     pub judged: u32,
     /// Shape [sketches, rank]: its rows' part of the random combinations.
-    pub sketch: Vec<f32>,
+    pub sketch: PackedRows,
 }
 
 /// A model that answers any light.
@@ -111,9 +112,7 @@ impl TransferModel {
             .map(|cell| {
                 let own = cell.read.coefficients(&fluxes);
                 let parts = [0, 1].map(|part: usize| cell.parts[part].contract(&own));
-                let rows = cell.sketch.chunks_exact(own.len().max(1));
-                let made = |row: &[f32]| row.iter().zip(&own).map(|(w, c)| *c * *w).sum();
-                (parts, rows.map(made).collect())
+                (parts, cell.sketch.combine(&own))
             })
             .collect();
         let mut light = LightCoefficients {
@@ -138,12 +137,12 @@ impl TransferModel {
         Ok((light, residual as f32))
     }
 
-    /// How many numbers the model consists of, patches left out: they follow from the scene.
-    pub fn numbers(&self) -> usize {
+    /// Bytes of the model's numbers, patches left out: they follow from the scene.
+    pub fn bytes(&self) -> usize {
         let cells = self.cells.iter().map(|cell| {
-            let parts: usize = cell.parts.iter().map(PartFit::numbers).sum();
-            cell.read.numbers() + cell.sketch.len() + parts
+            let parts: usize = cell.parts.iter().map(PartFit::bytes).sum();
+            cell.read.bytes() + cell.sketch.bytes() + parts
         });
-        self.sketch.numbers() + 4 * self.tree.nodes.len() + cells.sum::<usize>()
+        self.sketch.bytes() + 16 * self.tree.nodes.len() + cells.sum::<usize>()
     }
 }

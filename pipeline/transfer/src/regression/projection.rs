@@ -12,7 +12,7 @@
 //!
 //! and its cost does not grow with the number of outputs.
 
-use crate::model::TransferNet;
+use crate::model::{PackedRows, TransferNet};
 use crate::tracing::Stream;
 use ndarray::{Array1, Array2, Axis, s};
 use rrf_lm::{Cholesky, LmConfig, NormalEquations, Problem, Scaling, Solver};
@@ -55,12 +55,13 @@ impl Default for NetConfig {
     }
 }
 
-/// Fits a net from a start of its own; none where there is no row.
+/// Fits a net from a start of its own and returns it beside its outputs, shape [features, outputs];
+/// none where there is no row.
 pub(crate) fn fit_net(
     samples: &Samples,
     config: &NetConfig,
     stream: Stream,
-) -> Option<TransferNet> {
+) -> Option<(TransferNet, Vec<f32>)> {
     let mean = samples.x.mean_axis(Axis(0))?;
     let scale = (samples.x.std_axis(Axis(0), 0.0)).mapv(|s| if s > 1e-6 { 1.0 / s } else { 0.0 });
     let x = (&samples.x - &mean) * &scale;
@@ -78,7 +79,7 @@ pub(crate) fn fit_net(
         mean: single(mean.iter()),
         scale: single(scale.iter()),
         hidden: Vec::new(),
-        output: Vec::new(),
+        output: PackedRows::default(),
     };
     let total = samples.weights.mapv(|w| w * w).sum();
     let mut fit = Projection {
@@ -106,8 +107,7 @@ pub(crate) fn fit_net(
     }
     let output = fit.project(&fit.unpack(&w))?.output / &samples.scales;
     net.hidden = single(w.iter());
-    net.output = single(output.iter());
-    Some(net)
+    Some((net, single(output.iter())))
 }
 
 fn single<'a>(values: impl Iterator<Item = &'a f64>) -> Vec<f32> {
@@ -317,8 +317,10 @@ mod tests {
             ..NetConfig::default()
         };
         let stream = Stream::new(8, Stage::Test, 2);
-        let net = fit_net(&samples, &config, stream).unwrap();
-        assert_eq!(Some(&net), fit_net(&samples, &config, stream).as_ref());
+        let fit = fit_net(&samples, &config, stream).unwrap();
+        assert_eq!(Some(&fit), fit_net(&samples, &config, stream).as_ref());
+        let (mut net, output) = fit;
+        net.output = PackedRows::pack(&output, 3);
         let unit = net.contract(&[glam::Vec3::ONE]);
         let (mut off, mut all) = (0.0, 0.0);
         for i in 0..samples.x.nrows() {

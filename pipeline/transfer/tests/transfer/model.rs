@@ -135,7 +135,7 @@ fn models_are_linear_and_deterministic() {
             .unwrap()
     };
     let [one, model] = [1, 2].map(|n| pool(n).install(|| bake(&tracer, &config(CellChoice::Best))));
-    assert_eq!(one.numbers(), model.numbers());
+    assert_eq!(one.bytes(), model.bytes());
     let points = seen(&tracer, 0, 200, 9);
     let asked: Vec<_> = points
         .iter()

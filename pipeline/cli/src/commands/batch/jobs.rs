@@ -1,11 +1,15 @@
 //! The runs of a batch, checked before anything starts.
 
 use super::file::{Bake, Batch, take_seeds};
-use super::outcome::{Outcome, State};
+use super::outcome::{Ended, Outcome, State};
 use crate::commands::bake::config;
 use crate::failure::{BadInput, exit_code, message};
 use crate::scene_file;
-use rrf_bake::{BakeConfig, SamplingContext, Settings};
+use rrf_bake::settings::Method;
+use rrf_bake::{
+    BakeConfig, BakeError, Run, SamplingContext, Settings, TransferBakeConfig, TransferRun, Watch,
+    bake_scene_transfer,
+};
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
 use std::collections::BTreeSet;
@@ -21,9 +25,30 @@ pub struct Job {
     /// What was asked for.
     pub settings: Settings,
     /// What that means for the scene.
-    pub config: BakeConfig,
+    pub config: JobConfig,
     /// Time that it may take.
     pub time_limit: Option<Duration>,
+}
+
+/// What is baked.
+pub enum JobConfig {
+    /// Nets that see the light, or a baseline in their place.
+    Nets(Box<BakeConfig>),
+    /// A transfer.
+    Transfer(Box<TransferBakeConfig>),
+}
+
+impl JobConfig {
+    /// Checks what settings mean for a scene.
+    fn new(settings: &Settings, scene: &Scene) -> Result<JobConfig, BakeError> {
+        if settings.method == Method::Transfer {
+            let config = settings.transfer_config(scene)?;
+            return Ok(JobConfig::Transfer(Box::new(config)));
+        }
+        let config = config(settings, scene)?;
+        config.validate(scene)?;
+        Ok(JobConfig::Nets(Box::new(config)))
+    }
 }
 
 /// A run of a batch: one that can be baked, or what is wrong with it.
@@ -40,19 +65,63 @@ impl Job {
         scene_file::load(&self.scene, &self.settings.scene)
     }
 
+    /// Bakes it, or goes on where an earlier command was stopped.
+    pub fn bake(&self, scene: &Scene, watch: &dyn Watch) -> Result<Ended, BakeError> {
+        let folder = &self.folder;
+        match &self.config {
+            JobConfig::Nets(config) => {
+                Run::renew(folder, scene, config)?;
+                let ended = rrf_bake::bake(scene, config, folder, true, watch)?;
+                let evaluation = &ended.evaluation;
+                Ok(Ended {
+                    error: evaluation.error(),
+                    met: evaluation.meets(f64::from(config.target)),
+                    cells: evaluation.cells.len(),
+                    rounds: ended.rounds,
+                    stop: ended.stop.text(ended.rounds),
+                })
+            }
+            JobConfig::Transfer(config) => {
+                TransferRun::renew(folder, scene, config)?;
+                let ended = bake_scene_transfer(scene, config, folder, true, watch)?;
+                let summary = ended.summary;
+                Ok(Ended {
+                    error: (summary.test.relative_error, summary.test.relative_error_se),
+                    met: summary.meets(config.target),
+                    cells: summary.cells,
+                    rounds: 1,
+                    stop: "a transfer is baked in one go".into(),
+                })
+            }
+        }
+    }
+
     /// What its first round would take.
     pub fn preview(&self) -> anyhow::Result<()> {
+        let config = match &self.config {
+            JobConfig::Nets(config) => config,
+            JobConfig::Transfer(config) => {
+                println!(
+                    "{}: a transfer, in one go: {} rows of {} paths under {} lights and the scene's own",
+                    self.folder.display(),
+                    config.rows,
+                    config.paths,
+                    config.points + config.suns + config.skies
+                );
+                return Ok(());
+            }
+        };
         let scene = self.load()?.unlit();
         let tracer = Tracer::new(&scene)?;
-        let context = SamplingContext::new(&scene, &tracer, &self.config)?;
-        let tasks = rrf_bake::estimate(&self.config, &context)?;
+        let context = SamplingContext::new(&scene, &tracer, config)?;
+        let tasks = rrf_bake::estimate(config, &context)?;
         let seconds: f64 = tasks.iter().map(|task| task.seconds).sum();
         let memory = tasks.iter().map(|task| task.memory).max().unwrap_or(0);
         println!(
             "{}: {} tasks in the first of at most {} rounds, about {seconds:.0} core seconds, {} MiB a task at the most",
             self.folder.display(),
             tasks.len(),
-            self.config.rounds,
+            config.rounds,
             memory >> 20
         );
         Ok(())
@@ -108,8 +177,7 @@ fn jobs_of(bake: &Bake, base: &Path, output: &Path) -> anyhow::Result<Vec<Job>> 
             seed,
             ..settings.clone()
         };
-        let config = config(&settings, &loaded)?;
-        config.validate(&loaded)?;
+        let config = JobConfig::new(&settings, &loaded)?;
         Ok(Job {
             folder: output.join(format!("{}-{seed}", bake.name)),
             scene: scene.clone(),

@@ -15,7 +15,7 @@ use file::{Batch, Command};
 use jobs::{Job, Listed};
 use log::Log;
 use outcome::{Outcome, State, Summary, worst};
-use rrf_bake::{BakeError, Run, Watch};
+use rrf_bake::{BakeError, Watch};
 use rrf_store::atomic::atomic_write;
 use rrf_store::lock::FolderLock;
 use std::path::{Path, PathBuf};
@@ -107,9 +107,9 @@ impl Work<'_> {
                 self.bake_one(job)
             }
         };
-        outcome.preset = Some(job.config.preset);
+        outcome.preset = Some(job.settings.preset);
         outcome.seed = Some(job.settings.seed);
-        outcome.target = Some(job.config.target);
+        outcome.target = Some(job.settings.target);
         Ok(outcome)
     }
 
@@ -118,43 +118,34 @@ impl Work<'_> {
         let (folder, scene) = (job.folder.clone(), job.scene.clone());
         let mut outcome = Outcome::without_work(folder, scene, done, String::new());
         let start = Instant::now();
-        self.watch.begin_bake(job.config.target);
+        self.watch.begin_bake(job.settings.target);
         let watch = RunWatch::new(&self.watch, job, &self.log, self.args.json);
-        let result = job.load().and_then(|scene| {
-            Run::renew(&job.folder, &scene, &job.config)?;
-            Ok(rrf_bake::bake(
-                &scene,
-                &job.config,
-                &job.folder,
-                true,
-                &watch,
-            )?)
-        });
+        let result = job.load().and_then(|scene| Ok(job.bake(&scene, &watch)?));
         outcome.seconds = start.elapsed().as_secs_f64();
         outcome.measure();
         match result {
             Ok(ended) => {
-                outcome.evaluate(&ended.evaluation, job.config.target);
-                outcome.rounds = Some(ended.rounds);
-                outcome.stop = Some(ended.stop.text(ended.rounds));
-                let met = outcome.target_met == Some(true);
-                if !met {
+                outcome.take(&ended);
+                if !ended.met {
                     outcome.state = State::TargetMissed;
                     outcome.code = if self.args.require_target { 3 } else { 0 };
                 }
-                let (error, se) = ended.evaluation.error();
+                let (error, se) = ended.error;
                 outcome.message = format!(
                     "relative error {:.2} % ± {:.2} %, target {:.2} % {}, {} rounds, {}",
                     100.0 * error,
                     100.0 * se,
-                    100.0 * job.config.target,
-                    if met { "met" } else { "missed" },
+                    100.0 * job.settings.target,
+                    if ended.met { "met" } else { "missed" },
                     ended.rounds,
-                    ended.stop.text(ended.rounds)
+                    ended.stop
                 );
             }
             Err(error) => {
-                let halted = matches!(error.downcast_ref(), Some(BakeError::Halted { .. }));
+                let halted = matches!(
+                    error.downcast_ref(),
+                    Some(BakeError::Halted { .. } | BakeError::TransferHalted { .. })
+                );
                 outcome.code = exit_code(&error);
                 outcome.message = message(&error);
                 outcome.state = match outcome.code {

@@ -1,7 +1,7 @@
 //! What became of the runs of a batch: `summary.json`.
 
 use crate::clock::iso;
-use rrf_bake::{Evaluation, Preset, Run};
+use rrf_bake::{Preset, Run};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -22,6 +22,20 @@ pub enum State {
     Failed,
     /// Its scene or settings are wrong.
     BadInput,
+}
+
+/// A bake that is finished.
+pub struct Ended {
+    /// Relative error and its standard error.
+    pub error: (f64, f64),
+    /// Whether the target is met.
+    pub met: bool,
+    /// Cells of the model.
+    pub cells: usize,
+    /// Rounds that are done.
+    pub rounds: u32,
+    /// Why there is no further round.
+    pub stop: String,
 }
 
 /// What became of a run, and what it came to.
@@ -101,13 +115,14 @@ impl Outcome {
         }
     }
 
-    /// Adds the errors of the last round.
-    pub fn evaluate(&mut self, evaluation: &Evaluation, target: f32) {
-        let (error, se) = evaluation.error();
-        self.relative_error = Some(error);
-        self.relative_error_se = Some(se);
-        self.cells = Some(evaluation.cells.len());
-        self.target_met = Some(evaluation.meets(f64::from(target)));
+    /// Adds what a finished bake came to.
+    pub fn take(&mut self, ended: &Ended) {
+        self.relative_error = Some(ended.error.0);
+        self.relative_error_se = Some(ended.error.1);
+        self.cells = Some(ended.cells);
+        self.target_met = Some(ended.met);
+        self.rounds = Some(ended.rounds);
+        self.stop = Some(ended.stop.clone());
     }
 
     /// Adds what the files of the run tell; nothing where they cannot be read.
