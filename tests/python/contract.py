@@ -9,6 +9,7 @@ SCHEMAS = pathlib.Path(__file__).resolve().parents[2] / "schemas"
 SCALARS = {
     "bool": pa.bool_(),
     "int8": pa.int8(),
+    "int16": pa.int16(),
     "int32": pa.int32(),
     "uint32": pa.uint32(),
     "uint64": pa.uint64(),

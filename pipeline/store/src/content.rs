@@ -5,7 +5,9 @@ use crate::error::StoreError;
 use arrow::array::{Array, ArrayRef, AsArray, RecordBatch};
 use arrow::buffer::ScalarBuffer;
 use arrow::datatypes::{ArrowNativeType, DataType, Schema};
-use arrow::datatypes::{Float32Type, Float64Type, Int8Type, Int32Type, UInt32Type, UInt64Type};
+use arrow::datatypes::{
+    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, UInt32Type, UInt64Type,
+};
 use std::path::Path;
 
 /// blake3 over one blake3 a column, in the batch's order. A column's goes over its name, a zero
@@ -92,6 +94,7 @@ impl Content {
 fn feed(hasher: &mut blake3::Hasher, array: &ArrayRef) -> Result<(), StoreError> {
     match array.data_type() {
         DataType::Int8 => numbers(hasher, array.as_primitive::<Int8Type>().values()),
+        DataType::Int16 => numbers(hasher, array.as_primitive::<Int16Type>().values()),
         DataType::Int32 => numbers(hasher, array.as_primitive::<Int32Type>().values()),
         DataType::UInt32 => numbers(hasher, array.as_primitive::<UInt32Type>().values()),
         DataType::UInt64 => numbers(hasher, array.as_primitive::<UInt64Type>().values()),

@@ -55,8 +55,8 @@ pub use lights::{
     DirectLight, DistantSource, IncidentLight, Leg, PointSource, Receiver, ReceiverId,
 };
 pub use model::{
-    CellNode, LEAF_AXIS, LightCoefficients, LightRead, PackedRows, PartFit, SKETCHES, SurfaceCells,
-    TransferAnswer, TransferCell, TransferModel, TransferNet, TransferNodes,
+    CellNode, LEAF_AXIS, LightCoefficients, LightRead, PackedNumber, PackedRows, PartFit, SKETCHES,
+    SurfaceCells, TransferAnswer, TransferCell, TransferModel, TransferNet, TransferNodes,
 };
 pub use patches::{PatchConfig, PatchPoint, PatchSizes, Patches, SizeField};
 pub use query::{SurfaceKey, TransferQuery};

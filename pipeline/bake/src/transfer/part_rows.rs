@@ -137,11 +137,11 @@ fn nodes(row: TransferPartRow, rank: usize) -> Result<TransferNodes, String> {
 }
 
 /// Packed numbers of so many rows and columns.
-pub(super) fn packed(
+pub(super) fn packed<T>(
     name: &str,
-    (scales, values): (Vec<f32>, Vec<i8>),
+    (scales, values): (Vec<f32>, Vec<T>),
     (rows, width): (usize, usize),
-) -> Result<PackedRows, String> {
+) -> Result<PackedRows<T>, String> {
     length(&format!("the scales of {name}"), &scales, rows)?;
     length(name, &values, rows * width)?;
     Ok(PackedRows {

@@ -144,7 +144,7 @@ table_row! {
         /// Scale of each row of output weights.
         pub output_scales: Vec<f32>,
         /// Output weights.
-        pub output: Vec<i8>,
+        pub output: Vec<i16>,
         /// Metres that turns are worth.
         pub turns: Vec<f32>,
         /// Places of nodes.

@@ -122,6 +122,7 @@ fn data_type(name: &str) -> Option<DataType> {
     Some(match name {
         "bool" => DataType::Boolean,
         "int8" => DataType::Int8,
+        "int16" => DataType::Int16,
         "int32" => DataType::Int32,
         "uint32" => DataType::UInt32,
         "uint64" => DataType::UInt64,

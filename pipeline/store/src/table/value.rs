@@ -3,7 +3,9 @@
 use arrow::array::{Array, ArrayRef, AsArray, BooleanArray, ListBuilder, PrimitiveArray};
 use arrow::array::{PrimitiveBuilder, StringArray, StringBuilder};
 use arrow::datatypes::{DataType, Field};
-use arrow::datatypes::{Float32Type, Float64Type, Int8Type, Int32Type, UInt32Type, UInt64Type};
+use arrow::datatypes::{
+    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, UInt32Type, UInt64Type,
+};
 use std::sync::Arc;
 
 /// A value of one column.
@@ -53,6 +55,7 @@ macro_rules! numbers {
 
 numbers! {
     i8: Int8Type,
+    i16: Int16Type,
     i32: Int32Type,
     u32: UInt32Type,
     u64: UInt64Type,

@@ -127,7 +127,7 @@ fn config(words: &[String]) -> TransferConfig {
     config.patience = number("patience", 1.25) as f32;
     config.cell_error = number("cell-error", 0.01);
     config.cluster_error = number("cluster-error", 0.003);
-    config.left_out = number("left-out", 0.03);
+    config.left_out = number("left-out", 0.1);
     config.nodes = number("nodes", 96.0) as usize;
     config.net.units = number("units", 16.0) as usize;
     config.net.ridge = number("ridge", 1e-4);

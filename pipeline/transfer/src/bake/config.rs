@@ -110,7 +110,7 @@ impl Default for TransferConfig {
             cell_rank: 16,
             cell_error: 0.01,
             cluster_error: 0.003,
-            left_out: 0.03,
+            left_out: 0.1,
             judging: 8,
             rounds: 1,
             target: 0.05,

@@ -20,7 +20,7 @@ pub use evaluate::TransferAnswer;
 pub use light::LightCoefficients;
 pub use net::TransferNet;
 pub use nodes::TransferNodes;
-pub use packed::PackedRows;
+pub use packed::{PackedNumber, PackedRows};
 pub use part::PartFit;
 pub use read::LightRead;
 pub(crate) use transfer::receiver_stream;

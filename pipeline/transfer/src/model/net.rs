@@ -20,7 +20,7 @@ pub struct TransferNet {
     /// Shape [units, inputs + 1] row-major, the constant last.
     pub hidden: Vec<f32>,
     /// Shape [1 + inputs + units, outputs].
-    pub output: PackedRows,
+    pub output: PackedRows<i16>,
 }
 
 impl TransferNet {

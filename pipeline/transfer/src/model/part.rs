@@ -49,11 +49,10 @@ impl PartFit {
 
     /// Packs what it makes of each of a light's coefficients, rows of `width` numbers.
     pub(crate) fn pack(&mut self, exact: &[f32], width: usize) {
-        let packed = PackedRows::pack(exact, width);
         match self {
             PartFit::Nothing => {}
-            PartFit::Net(net) => net.output = packed,
-            PartFit::Nodes(nodes) => nodes.values = packed,
+            PartFit::Net(net) => net.output = PackedRows::pack(exact, width),
+            PartFit::Nodes(nodes) => nodes.values = PackedRows::pack(exact, width),
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! No operation is fused and sums run in a fixed order, so that bits do not depend on the processor.
 
-use super::packed::PackedRows;
+use super::packed::{PackedNumber, PackedRows};
 use glam::Vec3;
 use multiversion::multiversion;
 
@@ -48,7 +48,10 @@ fn add_rows(factors: &[f32], matrix: &[i8], sums: &mut [f32]) {
 }
 
 /// The rows of a matrix of shape [rows, rank, 3] times the coefficients, channel by channel.
-pub(super) fn contract(matrix: &PackedRows, coefficients: &[Vec3]) -> Vec<Vec3> {
+pub(super) fn contract<T: PackedNumber>(
+    matrix: &PackedRows<T>,
+    coefficients: &[Vec3],
+) -> Vec<Vec3> {
     let flat: Vec<f32> = coefficients.iter().flat_map(Vec3::to_array).collect();
     let mut contracted = Vec::with_capacity(matrix.rows());
     contract_rows(&matrix.values, &flat, &mut contracted);
@@ -58,18 +61,20 @@ pub(super) fn contract(matrix: &PackedRows, coefficients: &[Vec3]) -> Vec<Vec3> 
 }
 
 #[multiversion(targets("x86_64+avx+avx2+fma+avx512f+avx512vl", "x86_64+avx+avx2+fma"))]
-fn contract_rows(matrix: &[i8], flat: &[f32], contracted: &mut Vec<Vec3>) {
+fn contract_rows<T: PackedNumber>(matrix: &[T], flat: &[f32], contracted: &mut Vec<Vec3>) {
     let (whole, rest) = flat.as_chunks::<SIDE>();
     for row in matrix.chunks_exact(flat.len().max(1)) {
         let mut sums = [0.0f32; SIDE];
         let (own, left) = row.as_chunks::<SIDE>();
         for (w, c) in own.iter().zip(whole) {
             for i in 0..SIDE {
-                sums[i] += f32::from(w[i]) * c[i];
+                let w: f32 = w[i].into();
+                sums[i] += w * c[i];
             }
         }
         for (i, (&w, c)) in left.iter().zip(rest).enumerate() {
-            sums[i] += f32::from(w) * c;
+            let w: f32 = w.into();
+            sums[i] += w * c;
         }
         let channel = |c: usize| (sums[c] + sums[c + 3]) + (sums[c + 6] + sums[c + 9]);
         contracted.push(Vec3::new(channel(0), channel(1), channel(2)));
