@@ -4,8 +4,9 @@
 //!     cargo run --release -p rrf-trace --example lights -- SCENE SKY.exr    a sky seen through windows
 //!
 //! Emitters: a closed room with small lamps all over its ceiling; nanoseconds of processor time a path, all threads together.
-//! Sky: indirect light at points that the scene's camera sees, by every estimator; relative variance
-//! of a path times its time, averaged over the points. `next-event` samples the sky by its map alone.
+//! Sky: direct, indirect and full light at points that the scene's camera sees, by the sky's map alone
+//! (`next-event`), by openings too (`connected`, as frames are traced), and, with a third word, by paths from both ends;
+//! relative variance of a path times its time, averaged over the points.
 
 use glam::Vec3;
 use rrf_lights::LightSource;
@@ -25,15 +26,20 @@ const ESTIMATORS: [Estimator; 3] = [
     Estimator::Connected,
     Estimator::Bidirectional,
 ];
+const PARTS: [Reflections; 2] = [Reflections::One, Reflections::More];
+/// Paths a point.
+const PATHS: u32 = 1_024;
 /// Points along each side of the picture.
 const SIDE: usize = 12;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let [one, two, three] = ESTIMATORS;
     match arguments.as_slice() {
         [] => emitters(),
-        [scene, sky] => through_windows(scene, sky),
-        _ => Err("give nothing, or SCENE SKY.exr".into()),
+        [scene, sky] => through_windows(scene, sky, &[one, two]),
+        [scene, sky, _] => through_windows(scene, sky, &[one, two, three]),
+        _ => Err("give nothing, or SCENE SKY.exr [both]".into()),
     }
 }
 
@@ -54,7 +60,10 @@ fn emitters() -> Result<(), Box<dyn Error>> {
                 .collect();
             let viewers: Vec<Vec3> = points.iter().map(|point| point.normal).collect();
             let best = (0..3)
-                .map(|_| Ok(time(&tracer, &lights, estimator, &points, &viewers, 512)?.0))
+                .map(|_| {
+                    let asked = (&lights, Reflections::More, estimator);
+                    Ok(time(&tracer, asked, &points, &viewers, 512)?.0)
+                })
                 .collect::<Result<Vec<f64>, Box<dyn Error>>>()?;
             let best = best.into_iter().fold(f64::INFINITY, f64::min);
             println!("{estimator:?}, {count} emitters: {best:.0} ns a path");
@@ -118,15 +127,14 @@ fn room(count: usize) -> Scene {
 /// Nanoseconds a path, and what was found.
 fn time(
     tracer: &Tracer,
-    lights: &LightSet,
-    estimator: Estimator,
+    (lights, reflections, estimator): (&LightSet, Reflections, Estimator),
     points: &[SurfacePoint],
     viewers: &[Vec3],
     paths: u32,
 ) -> Result<(f64, Estimates), Box<dyn Error>> {
     let illumination = Illumination {
         lights,
-        reflections: Reflections::More,
+        reflections,
         estimator,
     };
     let sampling = Sampling {
@@ -142,10 +150,18 @@ fn time(
 }
 
 /// Variance times time under a sky.
-fn through_windows(path: &Path, sky: &Path) -> Result<(), Box<dyn Error>> {
+fn through_windows(
+    path: &Path,
+    sky: &Path,
+    estimators: &[Estimator],
+) -> Result<(), Box<dyn Error>> {
+    let source = match sky.to_str() {
+        Some("constant") => SkySource::Constant([1.0; 3]),
+        _ => SkySource::Picture(sky.to_path_buf()),
+    };
     let options = LoadOptions {
         sky: Some(SkyOption {
-            source: SkySource::Picture(sky.to_path_buf()),
+            source,
             rotate: 0.0,
         }),
         ..LoadOptions::default()
@@ -155,7 +171,7 @@ fn through_windows(path: &Path, sky: &Path) -> Result<(), Box<dyn Error>> {
     let skies = scene.lights.iter().map(|light| light.source.clone());
     let skies: Vec<LightSource> = skies.filter(|l| l.kind() == "environment").collect();
     let dark = vec![Vec3::ZERO; scene.area_lights.len()];
-    let lights = tracer.light_set(Some(&dark), skies)?;
+    let mut lights = tracer.light_set(Some(&dark), skies)?;
     let camera = scene.cameras.first().ok_or("the scene has no camera")?;
     let (mut rays, mut hits) = (Rays::default(), Hits::default());
     let tangent = (0.5 * camera.fov.to_radians()).tan();
@@ -173,39 +189,64 @@ fn through_windows(path: &Path, sky: &Path) -> Result<(), Box<dyn Error>> {
             viewers.push(-rays.direction[k]);
         }
     }
-    // a mean that all agree on, by the estimator with the least noise
-    let (_, truth) = time(
-        &tracer,
-        &lights,
-        Estimator::Bidirectional,
+    tracer.find_openings(
+        &mut lights,
         &points,
         &viewers,
-        16_384,
-    )?;
-    let mut first = None;
-    for estimator in ESTIMATORS {
-        let (taken, found) = time(&tracer, &lights, estimator, &points, &viewers, 4_096)?;
-        // variance of a path by the spread of the replicates, over the squared mean
-        let relative = (0..points.len()).filter_map(|q| {
-            let mean = truth.mean(q).element_sum();
-            let error = found.standard_error(q);
-            (mean > 0.0).then(|| f64::from((error * error).element_sum() / (mean * mean)) * 4_096.0)
+        Stream::new(3, Stage::Test, 0),
+    );
+    // means that all agree on
+    let truth = PARTS.map(|part| {
+        let asked = (&lights, part, Estimator::Connected);
+        time(&tracer, asked, &points, &viewers, 4 * PATHS)
+    });
+    let [direct, indirect] = truth;
+    let (direct, indirect) = (direct?.1, indirect?.1);
+    let mut first: Option<Vec<f64>> = None;
+    for &estimator in estimators {
+        let [direct_found, indirect_found] = PARTS.map(|part| {
+            let asked = (&lights, part, estimator);
+            time(&tracer, asked, &points, &viewers, PATHS)
         });
-        let mut relative: Vec<f64> = relative.collect();
-        relative.sort_by(f64::total_cmp);
-        let count = relative.len().max(1) as f64;
-        let mean = relative.iter().sum::<f64>() / count;
-        let median = relative.get(relative.len() / 2).copied().unwrap_or(0.0);
-        let costs = [mean, median].map(|variance| variance * taken / 1e3);
-        let first = *first.get_or_insert(costs);
-        println!(
-            "{estimator:?}: {taken:.0} ns a path, relative variance {mean:.2} (median {median:.2}), times time \
-             {:.2} µs (median {:.2} µs), {:.2} (median {:.2}) times less than by the map",
-            costs[0],
-            costs[1],
-            first[0] / costs[0],
-            first[1] / costs[1],
-        );
+        let (direct_found, indirect_found) = (direct_found?, indirect_found?);
+        let mut costs = Vec::new();
+        for (name, parts) in [
+            ("direct", vec![(&direct, &direct_found)]),
+            ("indirect", vec![(&indirect, &indirect_found)]),
+            (
+                "full",
+                vec![(&direct, &direct_found), (&indirect, &indirect_found)],
+            ),
+        ] {
+            let taken: f64 = parts.iter().map(|(_, (taken, _))| taken).sum();
+            // variance of a path by the spread of the replicates, over the squared mean
+            let relative = (0..points.len()).filter_map(|q| {
+                let mean: f32 = parts
+                    .iter()
+                    .map(|(truth, _)| truth.mean(q).element_sum())
+                    .sum();
+                let squares = parts.iter().map(|(_, (_, found))| {
+                    let error = found.standard_error(q);
+                    (error * error).element_sum()
+                });
+                let variance = f64::from(squares.sum::<f32>() / (mean * mean));
+                (mean > 0.0).then_some(variance * f64::from(PATHS))
+            });
+            let mut relative: Vec<f64> = relative.collect();
+            relative.sort_by(f64::total_cmp);
+            let mean = relative.iter().sum::<f64>() / relative.len().max(1) as f64;
+            let median = relative.get(relative.len() / 2).copied().unwrap_or(0.0);
+            costs.extend([mean, median].map(|variance| variance * taken / 1e3));
+            let k = costs.len() - 2;
+            let gain = |k: usize| first.as_ref().map_or(1.0, |first| first[k] / costs[k]);
+            println!(
+                "{estimator:?}, {name}: {taken:.0} ns a path, relative variance {mean:.2} (median {median:.2}), times \
+                 time {:.2} times less (median {:.2}) than by the map",
+                gain(k),
+                gain(k + 1),
+            );
+        }
+        first.get_or_insert(costs);
     }
     Ok(())
 }

@@ -76,6 +76,7 @@ pub fn indirect_with(
         direct: false,
         broad: false,
         keep: KEEP,
+        openings: None,
         stream,
     };
     estimate_queries((&part, estimator), queries, sampling, first_index)
@@ -97,6 +98,7 @@ pub fn broad_indirect(
         direct: false,
         broad: true,
         keep: KEEP,
+        openings: None,
         stream,
     };
     let estimator = Estimator::Connected;
@@ -126,6 +128,13 @@ impl Estimator {
         match self {
             // one reflection has one vertex: there is nothing to join
             Estimator::Bidirectional if !part.direct => bidirectional::estimate(part, rows, each),
+            Estimator::NextEvent => {
+                let by_map = Part {
+                    openings: None,
+                    ..*part
+                };
+                estimate(&by_map, rows, each)
+            }
             _ => estimate(part, rows, each),
         }
     }

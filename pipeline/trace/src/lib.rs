@@ -22,6 +22,7 @@ mod light_set;
 mod locate;
 mod media;
 mod mirrors;
+mod openings;
 mod own_light;
 mod passing;
 mod rays;

@@ -1,6 +1,7 @@
 //! Lights that shine together, and the choice among them.
 
 use crate::lamps::{emission, emitting_triangles};
+use crate::openings::{Openings, aim, aim_density, is_sky};
 use glam::Vec3;
 use rrf_lights::{Arrival, EmittingTriangles, LightSource};
 use rrf_sampling::warp::{by_weight, by_weight_probability};
@@ -17,6 +18,8 @@ pub struct LightSet {
     pub(crate) triangles: EmittingTriangles,
     pub(crate) points: LightGroup,
     pub(crate) far: LightGroup,
+    /// Where its skies are seen, if that was looked for ([`crate::Tracer::find_openings`]).
+    pub(crate) openings: Option<Openings>,
 }
 
 impl LightSet {
@@ -36,12 +39,18 @@ impl LightSet {
             areas,
             points: LightGroup::new(points),
             far: LightGroup::new(far),
+            openings: None,
         }
     }
 
     /// Whether nothing shines.
     pub fn is_dark(&self) -> bool {
         self.triangles.is_empty() && self.points.is_empty() && self.far.is_empty()
+    }
+
+    /// Whether light comes from all around.
+    pub fn has_sky(&self) -> bool {
+        self.far.sources.iter().any(is_sky)
     }
 
     /// Radiance [W/(sr m²)] that a ray meets that leaves the scene in direction `toward`.
@@ -135,11 +144,30 @@ impl LightGroup {
         (index, (within as f32).clamp(0.0, BELOW_ONE))
     }
 
-    /// Light that arrives at `at` from one of them, by three numbers in [0, 1): its irradiance is
-    /// over the probability of the choice, its density times it.
-    pub(crate) fn sample(&self, at: Vec3, u: [f32; 3]) -> Option<Arrival> {
+    /// Light that arrives at `at` from one of them, by three numbers in [0, 1), skies by
+    /// way of openings too: its irradiance is over the probability of the choice, its density times it.
+    pub(crate) fn sample(
+        &self,
+        at: Vec3,
+        u: [f32; 3],
+        openings: Option<&Openings>,
+    ) -> Option<Arrival> {
         let (index, probability) = self.choose(u[0]);
-        let arrival = self.source(index)?.sample(at, [u[1], u[2]])?;
+        let source = self.source(index)?;
+        let arrival = match openings.filter(|_| is_sky(source)) {
+            None => source.sample(at, [u[1], u[2]])?,
+            Some(openings) => {
+                let (_, within) = self.choose_within(u[0]);
+                let toward = aim(source, Some(openings), at, [within, u[1], u[2]])?;
+                let density = aim_density(source, Some(openings), at, toward);
+                Arrival {
+                    toward,
+                    distance: f32::INFINITY,
+                    irradiance: source.radiance(toward) / density,
+                    density: Some(density),
+                }
+            }
+        };
         Some(Arrival {
             irradiance: arrival.irradiance / probability,
             density: arrival.density.map(|density| density * probability),
@@ -149,11 +177,17 @@ impl LightGroup {
 
     /// Radiance [W/(sr m²)] from direction `toward`, each light's by the balance heuristic of a
     /// direction of density `density` against [`LightGroup::sample`] at `at`.
-    pub(crate) fn met(&self, at: Vec3, toward: Vec3, density: f32) -> Vec3 {
+    pub(crate) fn met(
+        &self,
+        at: Vec3,
+        toward: Vec3,
+        density: f32,
+        openings: Option<&Openings>,
+    ) -> Vec3 {
         let mut sum = Vec3::ZERO;
         for &(index, probability) in &self.visible {
             if let Some(source) = self.source(index) {
-                sum += shared(source, at, toward, density, probability);
+                sum += shared((source, probability), at, toward, density, openings);
             }
         }
         sum
@@ -161,18 +195,18 @@ impl LightGroup {
 }
 
 /// Radiance of a light from direction `toward` by the balance heuristic of a direction of density
-/// `density` against the light's own sampler, chosen with `probability`.
+/// `density` against the light's own sampler, chosen with a probability, and its openings.
 pub(crate) fn shared(
-    source: &LightSource,
+    (source, probability): (&LightSource, f32),
     at: Vec3,
     toward: Vec3,
     density: f32,
-    probability: f32,
+    openings: Option<&Openings>,
 ) -> Vec3 {
     let radiance = source.radiance(toward);
     if radiance == Vec3::ZERO {
         return radiance;
     }
-    let other = probability * source.density(at, toward);
+    let other = probability * aim_density(source, openings, at, toward);
     radiance * (density / (density + other))
 }

@@ -4,6 +4,7 @@ use crate::TraceError;
 use crate::estimates::{Estimates, Sampling};
 use crate::indirect::{Estimator, Queries};
 use crate::light_set::LightSet;
+use crate::openings::{Openings, Walks};
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
 use crate::wave::{KEEP, Part, Row, Source};
@@ -33,6 +34,9 @@ pub struct Illumination<'a> {
     pub estimator: Estimator,
 }
 
+/// Walks that look for the openings of a view.
+const VIEW_WALKS: u32 = 4096;
+
 impl Tracer<'_> {
     /// Lights that shine together: the scene's area lights times `dims`, one colour for each of
     /// them (none: as in the scene), and `sources`.
@@ -59,6 +63,36 @@ impl Tracer<'_> {
             }
         }
         Ok(LightSet::new(self.scene, &self.area_cdf, areas, sources))
+    }
+
+    /// Finds out where the skies of `lights` are seen from some points, by unit directions to their viewers, and
+    /// from what these see: paths then aim there. Draws at index 0 of `stream`.
+    pub fn find_openings(
+        &self,
+        lights: &mut LightSet,
+        points: &[SurfacePoint],
+        viewers: &[Vec3],
+        stream: Stream,
+    ) {
+        if !lights.has_sky() {
+            return;
+        }
+        let from: Vec<(SurfacePoint, Vec3)> = points
+            .iter()
+            .copied()
+            .zip(viewers.iter().copied())
+            .collect();
+        let walks = Walks {
+            from: &from,
+            count: VIEW_WALKS,
+            stream,
+            index: 0,
+        };
+        let centre = 0.5 * (self.bounds[0] + self.bounds[1]);
+        let afar = |u| Some(lights.far.sample(centre, u, None)?.toward);
+        let weight = |toward| lights.radiance_from_afar(toward).element_sum();
+        let stack = &mut self.wide.stack();
+        lights.openings = Openings::learn(self, walks, &afar, &weight, stack);
     }
 
     /// Radiance [W/(sr m²)] that the surface emits at a point toward `v` when `lights` shine.
@@ -100,6 +134,7 @@ pub fn own_light(
         direct,
         broad: false,
         keep: KEEP,
+        openings: illumination.lights.openings.as_ref(),
         stream,
     };
     let how = (illumination.estimator, sampling);
@@ -148,6 +183,7 @@ pub fn sun_light(
         direct: false,
         broad: false,
         keep: KEEP,
+        openings: None,
         stream,
     };
     traced(&part, queries, (estimator, sampling), first_index)

@@ -16,6 +16,9 @@ use rrf_trace::{
 /// choose one each.
 const MOST_ALONE: usize = 10;
 
+/// Rows of pixels that look for the openings of skies.
+const PILOT_ROWS: u32 = 48;
+
 /// Number and seed of a view's paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathOptions {
@@ -82,7 +85,7 @@ impl<'a> Paths<'a> {
             let all = sources().cloned().chain(as_sources);
             (([].as_slice(), Vec::new()), tracer.light_set(dims, all)?)
         };
-        Ok(Paths {
+        let mut paths = Paths {
             tracer,
             view,
             exact,
@@ -96,7 +99,27 @@ impl<'a> Paths<'a> {
             },
             seed: options.seed,
             stage,
-        })
+        };
+        paths.find_openings();
+        Ok(paths)
+    }
+
+    /// Where skies are seen from what the view shows: from some rows of its pixels.
+    fn find_openings(&mut self) {
+        if !self.indirect.has_sky() {
+            return;
+        }
+        let (mut points, mut viewers) = (Vec::new(), Vec::new());
+        let rows = self.view.height.min(PILOT_ROWS);
+        for k in 0..rows {
+            let seen = self.visible((2 * k + 1) * self.view.height / (2 * rows));
+            points.extend(seen.points);
+            viewers.extend(seen.viewers);
+        }
+        let stream = Stream::new(self.seed, self.stage, u32::MAX - 2);
+        for lights in [&mut self.direct, &mut self.indirect] {
+            (self.tracer).find_openings(lights, &points, &viewers, stream);
+        }
     }
 
     /// Surface points that the camera rays of a row of pixels meet.

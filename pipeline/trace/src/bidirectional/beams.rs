@@ -1,7 +1,7 @@
 //! Light subpaths from afar: they come in through openings, or through a disk across the light that
 //! is as wide as the scene.
 
-use super::openings::{Openings, outward};
+use crate::openings::{Openings, is_sky, outward};
 use glam::Vec3;
 use rrf_lights::LightSource;
 use std::f32::consts::PI;
@@ -115,11 +115,6 @@ impl Beams<'_> {
     }
 }
 
-/// Whether light comes from all around, so that openings guide to it.
-pub(super) fn is_sky(source: &LightSource) -> bool {
-    matches!(source, LightSource::Environment(_))
-}
-
 /// Density of a light's own sampler; 1 where it comes from one direction, which needs no choice.
 pub(super) fn density_of(source: &LightSource, at: Vec3, toward: Vec3) -> f32 {
     match source.is_visible() {
@@ -131,7 +126,7 @@ pub(super) fn density_of(source: &LightSource, at: Vec3, toward: Vec3) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bidirectional::openings::tests::openings;
+    use crate::openings::tests::openings;
     use glam::Mat3;
     use rrf_lights::{DistantLight, Environment, EnvironmentMap, Mapping};
     use rrf_sampling::{Stage, Stream};

@@ -1,7 +1,7 @@
 //! The lights' end of a path: its point or direction, what it sends, and how dense that is.
 
-use super::beams::{Beams, density_of, is_sky};
-use super::openings::Openings;
+use super::beams::Beams;
+use crate::openings::{Openings, aim, aim_density};
 use crate::tracer::Tracer;
 use crate::wave::{Part, Row, Source};
 use glam::Vec3;
@@ -60,9 +60,6 @@ pub(super) struct Lights<'a> {
     /// How light from afar comes in.
     beams: Beams<'a>,
 }
-
-/// Share of the directions to a sky that go through its openings.
-const GUIDED: f32 = 0.5;
 
 impl<'a> Lights<'a> {
     pub(super) fn new(part: &Part<'a>, row: &Row, openings: Option<&'a Openings>) -> Lights<'a> {
@@ -144,26 +141,11 @@ impl<'a> Lights<'a> {
             Group::Far => {
                 let (index, source, within) = self.far(u[0])?;
                 let toward = match at {
-                    Some(at) => self.toward(source, at, [within, u[1], u[2]])?,
+                    Some(at) => aim(source, self.beams.openings, at, [within, u[1], u[2]])?,
                     None => self.beams.toward(source, [within, u[1], u[2]])?,
                 };
                 Some(self.far_end(index, toward))
             }
-        }
-    }
-
-    /// A direction to a light from afar for light that is to arrive at `at`.
-    fn toward(&self, source: &LightSource, at: Vec3, u: [f32; 3]) -> Option<Vec3> {
-        let guided = self
-            .beams
-            .openings
-            .filter(|_| is_sky(source) && u[0] < GUIDED);
-        match guided {
-            Some(openings) => {
-                let through = openings.sample([u[0] / GUIDED, u[1], u[2]])?;
-                (through - at).try_normalize()
-            }
-            None => Some(source.sample(at, [u[1], u[2]])?.toward),
         }
     }
 
@@ -206,12 +188,10 @@ impl<'a> Lights<'a> {
         let Some((source, probability)) = self.far_source(end.source) else {
             return 0.0;
         };
-        let own = density_of(source, at, end.at);
-        let guided = self.beams.openings.filter(|_| is_sky(source));
-        probability
-            * guided.map_or(own, |openings| {
-                (1.0 - GUIDED) * own + GUIDED * openings.angle_density(at, end.at)
-            })
+        match source.is_visible() {
+            true => probability * aim_density(source, self.beams.openings, at, end.at),
+            false => probability,
+        }
     }
 
     /// Light that arrives at a point from an end, if any.

@@ -17,8 +17,6 @@ mod connect;
 mod emit;
 mod eye;
 mod light;
-mod openings;
-mod pilot;
 mod run;
 mod subpath;
 mod travel;
@@ -26,18 +24,12 @@ mod travel;
 use crate::wave::{Part, Row};
 use emit::Lights;
 use glam::{DVec3, Vec3};
-use openings::Openings;
 use rayon::prelude::*;
 use rrf_sampling::sobol::Table;
 use run::Joined;
 
 /// Paths that travel together.
 const BATCH: usize = 256;
-
-/// Walks of the pilot that looks for openings, per path of a query; and bounds on their number.
-const WALKS: f64 = 0.25;
-const FEWEST_WALKS: f64 = 64.0;
-const MOST_WALKS: f64 = 1024.0;
 
 /// Mean of `each` paths at every row, two reflections or more. A row's bits depend on the row and on how many
 /// of its replicates come together, not on other rows.
@@ -61,15 +53,7 @@ fn query(
     rows: &[Row],
     (each, table): (usize, &Table),
 ) -> Vec<Vec3> {
-    let openings = rows
-        .first()
-        .filter(|_| part.source.has_far())
-        .and_then(|row| {
-            let lights = Lights::new(part, row, None);
-            let walks = (WALKS * (each * rows.len()) as f64).clamp(FEWEST_WALKS, MOST_WALKS);
-            let pilot = (walks as u32, part.stream);
-            Openings::learn((part.tracer, &lights), row, pilot, &mut joined.stack)
-        });
+    let openings = part.openings(rows, each, &mut joined.stack);
     let mean = |row: &Row| {
         let lights = Lights::new(part, row, openings.as_ref());
         let mut sum = DVec3::ZERO;

@@ -110,6 +110,7 @@ mod tests {
                 direct: false,
                 broad: false,
                 keep,
+                openings: None,
                 stream: Stream::new(seed, Stage::Test, 0),
             };
             let values = estimate(&part, &rows, 128);

@@ -2,8 +2,10 @@
 
 use super::path::PathLight;
 use crate::light_set::{LightSet, shared};
+use crate::openings::{Openings, Walks};
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
+use crate::walk::Stack;
 use glam::Vec3;
 use rrf_lights::{Arrival, DistantLight, EmittingTriangles, LightKind};
 use rrf_sampling::Stream;
@@ -39,7 +41,40 @@ pub(crate) struct Part<'a> {
     pub(crate) broad: bool,
     /// How a path's survival follows its throughput ([`super::KEEP`]).
     pub(crate) keep: f32,
+    /// Where the sky is aimed at, if that is known.
+    pub(crate) openings: Option<&'a Openings>,
     pub(crate) stream: Stream,
+}
+
+/// Walks of the pilot that looks for openings, per path of a query; and bounds on their number.
+const WALKS: f64 = 0.25;
+const FEWEST_WALKS: f64 = 64.0;
+const MOST_WALKS: f64 = 1024.0;
+
+impl Part<'_> {
+    /// Where light from afar comes in that reaches a query: by a pilot from its point.
+    pub(crate) fn openings(
+        &self,
+        rows: &[Row],
+        each: usize,
+        stack: &mut Stack,
+    ) -> Option<Openings> {
+        let row = rows.first().filter(|_| self.source.has_far())?;
+        let walks = (WALKS * (each * rows.len()) as f64).clamp(FEWEST_WALKS, MOST_WALKS);
+        let walks = Walks {
+            from: &[(row.point, row.viewer)],
+            count: walks as u32,
+            stream: self.stream,
+            index: row.index,
+        };
+        let afar = |u| {
+            let arrival = self
+                .source
+                .arrival_from_afar(row, row.point.position, u, None);
+            arrival.map(|arrival| arrival.toward)
+        };
+        Openings::learn(self.tracer, walks, &afar, &|_| 1.0, stack)
+    }
 }
 
 /// Where paths start.
@@ -139,21 +174,34 @@ impl<'a> Source<'a> {
     }
 
     /// Light that arrives from afar at a row's path, by three numbers in [0, 1).
-    pub(crate) fn arrival_from_afar(&self, row: &Row, at: Vec3, u: [f32; 3]) -> Option<Arrival> {
+    pub(crate) fn arrival_from_afar(
+        &self,
+        row: &Row,
+        at: Vec3,
+        u: [f32; 3],
+        openings: Option<&Openings>,
+    ) -> Option<Arrival> {
         match self {
             Source::Point { .. } => None,
             Source::Sun => sun(row).sample(at, [u[1], u[2]]),
-            Source::Set { set, .. } => set.far.sample(at, u),
+            Source::Set { set, .. } => set.far.sample(at, u, openings),
         }
     }
 
     /// Radiance that a row's path meets from afar, by the balance heuristic of its direction's
     /// density against [`Source::arrival_from_afar`].
-    pub(crate) fn met(&self, row: &Row, at: Vec3, toward: Vec3, density: f32) -> Vec3 {
+    pub(crate) fn met(
+        &self,
+        row: &Row,
+        at: Vec3,
+        toward: Vec3,
+        density: f32,
+        openings: Option<&Openings>,
+    ) -> Vec3 {
         match self {
             Source::Point { .. } => Vec3::ZERO,
-            Source::Sun => shared(&sun(row).into(), at, toward, density, 1.0),
-            Source::Set { set, .. } => set.far.met(at, toward, density),
+            Source::Sun => shared((&sun(row).into(), 1.0), at, toward, density, None),
+            Source::Set { set, .. } => set.far.met(at, toward, density, openings),
         }
     }
 }

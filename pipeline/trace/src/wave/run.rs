@@ -271,7 +271,8 @@ impl Wave {
             if hit.triangle == INVALID {
                 if far {
                     let toward = -path.viewer;
-                    let met = source.met(batch.row(path), path.from, toward, path.density);
+                    let (row, openings) = (batch.row(path), batch.part.openings);
+                    let met = source.met(row, path.from, toward, path.density, openings);
                     self.sums[path.slot as usize] += path.throughput * met;
                 }
                 continue;

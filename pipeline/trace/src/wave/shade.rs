@@ -135,7 +135,8 @@ impl Wave {
         for (i, path) in self.paths[first..first + lanes].iter().enumerate() {
             let u = [0, 1, 2].map(|d| self.draws.units[d][i]);
             let at = self.vertices.surfaces.position.get(i);
-            let arrival = batch.part.source.arrival_from_afar(batch.row(path), at, u);
+            let (source, openings) = (batch.part.source, batch.part.openings);
+            let arrival = source.arrival_from_afar(batch.row(path), at, u, openings);
             let toward = arrival.map_or(Vec3::Z, |a| a.toward);
             self.far.toward.set(i, toward);
             (self.far.irradiance).set(i, arrival.map_or(Vec3::ZERO, |a| a.irradiance));

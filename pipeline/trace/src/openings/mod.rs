@@ -4,6 +4,12 @@
 //! aimed at, by shadow rays to the sky and by the lights' own rays. All of it is weighed against samplers that aim at the
 //! whole sky, so that a cell that was not seen costs noise and nothing else.
 
+mod aim;
+mod pilot;
+
+pub(crate) use aim::{aim, aim_density, is_sky};
+pub(crate) use pilot::Walks;
+
 use glam::Vec3;
 use rrf_sampling::warp::{by_weight, by_weight_probability};
 
@@ -13,33 +19,44 @@ const FACE: usize = SIDE * SIDE;
 
 /// The box and how much each of its cells is aimed at.
 #[derive(Clone, Debug)]
-pub(super) struct Openings {
+pub(crate) struct Openings {
     low: Vec3,
     size: Vec3,
     /// Cumulative weights of the cells of each face: faces are low and high of x, y, z.
     faces: [Vec<f64>; 6],
     /// Cumulative weights of the faces.
     all: Vec<f64>,
+    /// Share of the directions to a sky that go through them.
+    share: f32,
 }
 
+/// The largest share of the directions to a sky that go through openings.
+const MOST: f64 = 0.8;
+
 impl Openings {
+    /// Share of the directions to a sky that go through openings: the more, the less of what the sky's own
+    /// sampler draws arrives.
+    pub(crate) fn share(&self) -> f32 {
+        self.share
+    }
+
     /// A point of the box that the weights choose.
-    pub(super) fn sample(&self, u: [f32; 3]) -> Option<Vec3> {
+    pub(crate) fn sample(&self, u: [f32; 3]) -> Option<Vec3> {
         self.point(by_weight(&self.all, u[0]), [u[1], u[2]])
     }
 
     /// A face by its weight, by a number in [0, 1).
-    pub(super) fn face(&self, u: f32) -> usize {
+    pub(crate) fn face(&self, u: f32) -> usize {
         by_weight(&self.all, u)
     }
 
     /// Probability of [`Openings::face`] to choose a face.
-    pub(super) fn chance(&self, face: usize) -> f32 {
+    pub(crate) fn chance(&self, face: usize) -> f32 {
         by_weight_probability(&self.all, face) as f32
     }
 
     /// A point of a face that the weights of its cells choose.
-    pub(super) fn point(&self, face: usize, u: [f32; 2]) -> Option<Vec3> {
+    pub(crate) fn point(&self, face: usize, u: [f32; 2]) -> Option<Vec3> {
         let cells = self.faces.get(face)?;
         if cells.last().is_none_or(|&total| total <= 0.0) {
             return None;
@@ -61,7 +78,7 @@ impl Openings {
     }
 
     /// Density of [`Openings::sample`] with respect to angle from `at`.
-    pub(super) fn angle_density(&self, at: Vec3, toward: Vec3) -> f32 {
+    pub(crate) fn angle_density(&self, at: Vec3, toward: Vec3) -> f32 {
         let Some((face, cell, t)) = leaves(self.low, self.size, at, toward) else {
             return 0.0;
         };
@@ -71,7 +88,7 @@ impl Openings {
 
     /// The face that light from `toward` comes in through on its way to `at`, and the density of
     /// [`Openings::point`] there with respect to area across the light.
-    pub(super) fn beam_density(&self, at: Vec3, toward: Vec3) -> Option<(usize, f32)> {
+    pub(crate) fn beam_density(&self, at: Vec3, toward: Vec3) -> Option<(usize, f32)> {
         let (face, cell, _) = leaves(self.low, self.size, at, toward)?;
         Some((face, self.area_density(face, cell) / outward(face, toward)))
     }
@@ -89,26 +106,45 @@ impl Openings {
 }
 
 /// Counts of light seen through each cell of a box's faces.
-pub(super) struct Seen {
+pub(crate) struct Seen {
     low: Vec3,
     size: Vec3,
     /// By walks' own directions and by lights'.
     sums: [Vec<f64>; 2],
+    /// Weight of the lights' own directions that were drawn, and of those that light came by.
+    drawn: f64,
+    arrived: f64,
 }
 
 impl Seen {
     /// Nothing, of a box about these corners.
-    pub(super) fn new([low, high]: [Vec3; 2]) -> Seen {
+    pub(crate) fn new([low, high]: [Vec3; 2]) -> Seen {
         let margin = Vec3::splat(1e-4 * (high - low).length());
         Seen {
             low: low - margin,
             size: high - low + 2.0 * margin,
             sums: [vec![0.0; 6 * FACE], vec![0.0; 6 * FACE]],
+            drawn: 0.0,
+            arrived: 0.0,
+        }
+    }
+
+    /// A walk's ray that leaves the scene.
+    pub(crate) fn leave(&mut self, origin: Vec3, direction: Vec3, weight: f64) {
+        self.add(0, origin, direction, weight);
+    }
+
+    /// A light's own direction, of which a share of the light arrives.
+    pub(crate) fn draw(&mut self, origin: Vec3, direction: Vec3, weight: f64, share: f64) {
+        self.drawn += weight;
+        self.arrived += weight * share;
+        if share > 0.0 {
+            self.add(1, origin, direction, weight * share);
         }
     }
 
     /// A ray that leaves: its cell counts, and those about it a little.
-    pub(super) fn add(&mut self, by: usize, origin: Vec3, direction: Vec3, weight: f64) {
+    fn add(&mut self, by: usize, origin: Vec3, direction: Vec3, weight: f64) {
         let Some((face, cell, _)) = leaves(self.low, self.size, origin, direction) else {
             return;
         };
@@ -124,7 +160,7 @@ impl Seen {
     }
 
     /// Both kinds of rays count alike.
-    pub(super) fn openings(self) -> Option<Openings> {
+    pub(crate) fn openings(self) -> Option<Openings> {
         let mut weights = vec![0.0; 6 * FACE];
         for sums in &self.sums {
             let total: f64 = sums.iter().sum();
@@ -144,12 +180,14 @@ impl Seen {
             total += sum;
             all.push(total);
         }
+        let hidden = 1.0 - self.arrived / self.drawn.max(f64::MIN_POSITIVE);
         let Seen { low, size, .. } = self;
         (total > 0.0).then_some(Openings {
             low,
             size,
             faces,
             all,
+            share: (MOST * hidden) as f32,
         })
     }
 }
@@ -160,7 +198,7 @@ fn across(axis: usize) -> [usize; 2] {
 }
 
 /// How much a direction goes out through a face.
-pub(super) fn outward(face: usize, toward: Vec3) -> f32 {
+pub(crate) fn outward(face: usize, toward: Vec3) -> f32 {
     let along = toward[face / 2];
     if face % 2 == 1 { along } else { -along }
 }
@@ -187,15 +225,17 @@ fn leaves(low: Vec3, size: Vec3, at: Vec3, toward: Vec3) -> Option<(usize, usize
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
     use rrf_sampling::Stream;
 
-    pub(in crate::bidirectional) fn openings() -> Openings {
+    pub(crate) fn openings() -> Openings {
         let mut seen = Seen {
             low: Vec3::new(-2.0, 0.0, -1.0),
             size: Vec3::new(4.0, 3.0, 2.0),
             sums: [vec![0.0; 6 * FACE], vec![0.0; 6 * FACE]],
+            drawn: 1.0,
+            arrived: 0.0,
         };
         for k in 0..40 {
             let along = k as f32 / 40.0;

@@ -1,0 +1,44 @@
+//! Directions to a light from afar: of a sky, a share of them through openings.
+
+use super::Openings;
+use glam::Vec3;
+use rrf_lights::LightSource;
+
+/// Whether light comes from all around, so that openings guide to it.
+pub(crate) fn is_sky(source: &LightSource) -> bool {
+    matches!(source, LightSource::Environment(_))
+}
+
+/// A direction to a light for light that is to arrive at `at`, by three numbers in [0, 1).
+pub(crate) fn aim(
+    source: &LightSource,
+    openings: Option<&Openings>,
+    at: Vec3,
+    u: [f32; 3],
+) -> Option<Vec3> {
+    let guided = openings.filter(|openings| is_sky(source) && u[0] < openings.share());
+    match guided {
+        Some(openings) => {
+            let through = openings.sample([u[0] / openings.share(), u[1], u[2]])?;
+            (through - at).try_normalize()
+        }
+        None => Some(source.sample(at, [u[1], u[2]])?.toward),
+    }
+}
+
+/// Density of [`aim`] with respect to solid angle, for a light that a ray can meet.
+pub(crate) fn aim_density(
+    source: &LightSource,
+    openings: Option<&Openings>,
+    at: Vec3,
+    toward: Vec3,
+) -> f32 {
+    let own = source.density(at, toward);
+    match openings.filter(|_| is_sky(source)) {
+        Some(openings) => {
+            let share = openings.share();
+            (1.0 - share) * own + share * openings.angle_density(at, toward)
+        }
+        None => own,
+    }
+}
