@@ -89,12 +89,15 @@ fn bytes_do_not_depend_on_threads_or_interruptions() {
     }
     // stopped once cells are done: those are kept
     let progress = model_table_path(folder.path(), Table::TransferProgress);
-    let kept = (50..200).step_by(5).find(|&questions| {
-        let watch = Impatient(AtomicU32::new(questions));
-        let stopped = bake_scene_transfer(&scene, &config, folder.path(), true, &watch);
-        assert!(stopped.is_err(), "{questions}");
-        progress.exists()
-    });
+    let later = |&questions: &u32| Some(questions + questions / 8);
+    let kept = std::iter::successors(Some(50), later)
+        .take(40)
+        .find(|&questions| {
+            let watch = Impatient(AtomicU32::new(questions));
+            let stopped = bake_scene_transfer(&scene, &config, folder.path(), true, &watch);
+            assert!(stopped.is_err(), "{questions}");
+            progress.exists()
+        });
     assert!(kept.is_some());
     assert!(verify(folder.path()).unwrap().damages.is_empty());
     let again = bake_scene_transfer(&scene, &config, folder.path(), false, &());
