@@ -114,7 +114,7 @@ fn nets_of_wrong_lengths_are_refused() {
         ("offsets and scales", |m| m.input_scale.push(1.0)),
         ("layers", |m| m.shape.sizes = vec![13, 6, 4, 2]),
         ("layers", |m| m.shape.sizes = vec![13, 0, 4, 3]),
-        ("have None", |m| {
+        ("more than can be", |m| {
             m.shape.sizes = vec![13, usize::MAX, usize::MAX, 3]
         }),
         ("not known", |m| m.inputs[0] = 200),

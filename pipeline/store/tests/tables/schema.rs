@@ -18,7 +18,7 @@ const PINNED: [(Table, u32, &str); 15] = [
     (Table::Transfer, 2, "88452d268edb66f6"),
     (Table::TransferTree, 1, "eec084312dd4bf6f"),
     (Table::TransferCells, 2, "9ad9875cdf870766"),
-    (Table::TransferParts, 2, "9a15500e1ee5b09d"),
+    (Table::TransferParts, 2, "a0f6115d3422414f"),
     (Table::TransferProgress, 1, "91aebb63cd09f5bb"),
 ];
 
