@@ -144,13 +144,13 @@ function told(f) {
   if (detail === MOVING) {
     const now = performance.now();
     times.push(now);
-    while (times.length > 1 && now - times[0] > 2000) times.shift();
+    while (times.length > 4 && now - times[0] > 2000) times.shift();
     // what lights cost once is not paid again for a view at rest
     const all = f.thread_ms.reduce((sum, [, ms]) => sum + ms, 0);
     const once = f.thread_ms.find(([stage]) => stage === "coefficients");
     cost = (f.frame_ms * (1 - (once ? once[1] : 0) / Math.max(all, 1e-9))) / (f.size[0] * f.size[1]);
     const rate = ((times.length - 1) * 1000) / (now - times[0]);
-    $("speed").textContent = `${times.length > 3 ? `${rate.toFixed(0)} fps, ` : ""}${f.frame_ms.toFixed(1)} ms, ${pixels(f)}`;
+    $("speed").textContent = `${times.length > 3 ? `${rate.toFixed(rate < 9.5 ? 1 : 0)} fps, ` : ""}${f.frame_ms.toFixed(1)} ms, ${pixels(f)}`;
   } else tellRest();
   document.body.dataset.rays = f.aa * f.aa;
   $("speed").title = "Threads' time of the last frame\n" + Object.entries(Object.fromEntries(f.thread_ms))
