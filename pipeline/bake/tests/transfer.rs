@@ -124,7 +124,7 @@ impl Watch for Tight {
     }
 }
 
-/// What does not fit into memory is refused before a row is traced; a limit that holds changes nothing.
+/// Rows that do not fit into memory are refused before one is traced; a limit that holds changes nothing.
 #[test]
 fn memory_is_asked_for_before_work() {
     let folder = tempfile::tempdir().unwrap();

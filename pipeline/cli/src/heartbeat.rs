@@ -18,7 +18,7 @@ struct Stage {
     begun: Instant,
 }
 
-/// What a line tells.
+/// The bake and its stage, as a line tells them.
 #[derive(Debug, Default)]
 struct State {
     stage: Option<Stage>,
@@ -129,8 +129,8 @@ fn beat(shared: &Shared, deadline: Option<Instant>) {
     }
 }
 
-/// What a stage has come to after so many seconds; the time left for the whole bake, as forecast and as
-/// its limit allows.
+/// The line of a stage after so many seconds: its share done, the time left for the whole bake as
+/// forecast and as its limit allows.
 fn line(stage: &Stage, seconds: f64, [forecast, limit]: [Option<Duration>; 2]) -> String {
     let share = stage.done as f64 / stage.total.max(1) as f64;
     let mut line = format!("{}: {:.0} %", stage.name, 100.0 * share);

@@ -1,4 +1,4 @@
-//! What a transfer's bake keeps of itself until it is finished.
+//! A transfer's finished cells, kept until all are baked.
 
 use super::read::{cells, place, tree};
 use super::tables::{cell_rows, node_rows, part_rows};

@@ -50,7 +50,7 @@ pub(super) fn model(
     Ok(model)
 }
 
-/// What the table of the whole says beside the model.
+/// The facts of a transfer's table that are no part of the model.
 pub(super) fn facts(row: &TransferRow) -> TransferFacts {
     TransferFacts {
         lights: row.lights,

@@ -7,6 +7,7 @@ use super::directions::Directions;
 use super::exact::ExactParts;
 use super::judge::{Judged, borne_out, judged_error};
 use super::lighting::Lighting;
+use super::parts::PartRows;
 use super::sketch::{SketchRow, sign};
 use super::smooth::Smoothed;
 use crate::TransferError;
@@ -65,11 +66,18 @@ impl CellFitter<'_> {
             if skip || is_net && rows.len() < LEAST_ROWS {
                 continue;
             }
-            let part = |part: usize| match (has[part], is_net) {
-                (false, _) => Some((PartFit::Nothing, Vec::new())),
-                (true, true) => self.net(rows, &smoothed, &directions, part, view[part], stream),
-                (true, false) => {
-                    Some(self.nodes(rows, &smoothed, &directions, part, view[part], stream))
+            let part = |part: usize| {
+                let of = PartRows {
+                    rows,
+                    smoothed: &smoothed,
+                    directions: &directions,
+                    part,
+                    view: view[part],
+                };
+                match (has[part], is_net) {
+                    (false, _) => Some((PartFit::Nothing, Vec::new())),
+                    (true, true) => self.net(&of, stream),
+                    (true, false) => Some(self.nodes(&of, stream)),
                 }
             };
             let (Some(base), Some(constant)) = (part(0), part(1)) else {

@@ -15,17 +15,30 @@ const SPREAD: f32 = 1e-4;
 const ROWS_A_UNIT: usize = 10;
 const LEAST_UNITS: usize = 2;
 
+/// One of a cell's two parts on the rows that it is fitted to.
+pub(super) struct PartRows<'a> {
+    /// Rows of the table.
+    pub(super) rows: &'a [u32],
+    /// Their smoothed values.
+    pub(super) smoothed: &'a Smoothed,
+    /// Those that the values are combinations of.
+    pub(super) directions: &'a Directions,
+    /// Number of the part.
+    pub(super) part: usize,
+    /// Whether it depends on the viewer.
+    pub(super) view: bool,
+}
+
 impl CellFitter<'_> {
     /// A net and its exact outputs; none where no input says anything.
-    pub(super) fn net(
-        &self,
-        rows: &[u32],
-        smoothed: &Smoothed,
-        directions: &Directions,
-        part: usize,
-        view: bool,
-        stream: Stream,
-    ) -> Option<(PartFit, Vec<f32>)> {
+    pub(super) fn net(&self, of: &PartRows, stream: Stream) -> Option<(PartFit, Vec<f32>)> {
+        let &PartRows {
+            rows,
+            smoothed,
+            directions,
+            part,
+            view,
+        } = of;
         let queries = rows
             .iter()
             .map(|&row| &self.batch.table.queries[row as usize]);
@@ -71,15 +84,14 @@ impl CellFitter<'_> {
     }
 
     /// Local fits at some of the rows' own points, and their exact values.
-    pub(super) fn nodes(
-        &self,
-        rows: &[u32],
-        smoothed: &Smoothed,
-        directions: &Directions,
-        part: usize,
-        view: bool,
-        stream: Stream,
-    ) -> (PartFit, Vec<f32>) {
+    pub(super) fn nodes(&self, of: &PartRows, stream: Stream) -> (PartFit, Vec<f32>) {
+        let &PartRows {
+            rows,
+            smoothed,
+            directions,
+            part,
+            view,
+        } = of;
         let table = &self.batch.table;
         let numbers = stream.part(3);
         let mut order: Vec<usize> = (0..rows.len()).collect();

@@ -30,7 +30,7 @@ pub struct Job {
     pub time_limit: Option<Duration>,
 }
 
-/// What is baked.
+/// Settings of a bake, by its method.
 pub enum JobConfig {
     /// Nets that see the light, or a baseline in their place.
     Nets(Box<BakeConfig>),
