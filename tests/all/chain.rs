@@ -95,6 +95,15 @@ fn frames(place: &Place, scene: &str, run: &str) {
         &[&light],
     );
 
+    // the grain of lamps that are sampled belongs to the seed
+    let seeded = |name: &str, seed: &str| {
+        let lamps = ["--scene-lights", "--seed", seed];
+        std::fs::read(frame(name, &["render", run], &[&lamps])).expect("the frame")
+    };
+    let first = seeded("seed1.exr", "1");
+    assert!(first == seeded("again1.exr", "1"));
+    assert!(first != seeded("seed2.exr", "2"));
+
     let picture = place.name("model.png");
     done(&[&["render", run, "-o", &picture], &size[..], &light].concat());
     let png = std::fs::read(&picture).expect("the picture");

@@ -43,7 +43,7 @@ pub type Trusted<'a> = dyn Fn(&Columns) -> Vec<bool> + Sync + 'a;
 
 /// Options of a frame. Negative radiance, which a net may give where there is next to none,
 /// stays: errors average out.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub struct RenderOptions<'a> {
     /// Part of the light.
     pub part: Part,
@@ -57,6 +57,8 @@ pub struct RenderOptions<'a> {
     /// Standard error of the luminance [W/(sr m²)] that the shadow rays of a pixel go on to, where
     /// [`RenderOptions::shadow_rays`] does not fix their number; without both there are 16.
     pub noise: Option<f32>,
+    /// Seed of the random numbers of shadow rays, of followed and of gathered rays.
+    pub seed: u64,
     /// With it the frame has a trust layer.
     pub trusted: Option<&'a Trusted<'a>>,
     /// Final gather: rays that each camera ray sends on from broad surfaces, where direct light and
@@ -72,4 +74,23 @@ pub struct RenderOptions<'a> {
     /// Asked at every tile whether the frame is still wanted; if it says yes, the frame ends with
     /// [`rrf_trace::TraceError::Halted`].
     pub halt: Option<&'a (dyn Fn() -> bool + Sync)>,
+}
+
+impl Default for RenderOptions<'_> {
+    fn default() -> Self {
+        RenderOptions {
+            part: Part::default(),
+            aa: 0,
+            area_lights: None,
+            shadow_rays: None,
+            noise: None,
+            seed: 1,
+            trusted: None,
+            gather: 0,
+            fallback: 0,
+            narrow_rays: 0,
+            borders: None,
+            halt: None,
+        }
+    }
 }

@@ -85,7 +85,7 @@ pub struct RenderArgs {
     /// surface.
     #[arg(long)]
     pub anyway: bool,
-    /// Seed of the shadow rays.
+    /// Seed of the shadow rays, and of the rays that rough mirrors and gathering send.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Blend the nets of neighbouring cells within a tenth of a cell where they meet and agree, so that
@@ -177,6 +177,7 @@ pub fn frame(args: &RenderArgs, baked: &Baked) -> anyhow::Result<Option<Frame>> 
         area_lights: area_lights.as_ref(),
         shadow_rays: shadow_rays(args),
         noise: None,
+        seed: args.seed,
         // nets are asked again for every row: not where time is measured
         trusted: (film.is_none() && args.json_stats.is_none() || fallback == Fallback::Gather)
             .then_some(&trusted),
@@ -345,7 +346,6 @@ fn shadow_rays(args: &RenderArgs) -> Option<ShadowRays> {
             count: count.unwrap_or(standard.count),
             noise: None,
             adaptive,
-            seed: args.seed,
         }),
     }
 }

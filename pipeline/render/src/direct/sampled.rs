@@ -37,8 +37,6 @@ pub struct ShadowRays {
     /// Whether lights are chosen by what could reach a point and what its neighbours found;
     /// otherwise uniformly.
     pub adaptive: bool,
-    /// Seed of the random numbers.
-    pub seed: u64,
 }
 
 impl Default for ShadowRays {
@@ -47,7 +45,6 @@ impl Default for ShadowRays {
             count: 16,
             noise: None,
             adaptive: true,
-            seed: 1,
         }
     }
 }
@@ -114,7 +111,7 @@ impl SampledLighting {
         tracer: &Tracer,
         rows: Rows,
         lights: &SampledLights,
-        plan: ShadowRays,
+        (plan, seed): (ShadowRays, u64),
         (first, width): Pixels,
         watch: &mut Stopwatch,
     ) {
@@ -129,7 +126,7 @@ impl SampledLighting {
             rows,
             lights,
             plan,
-            stream: Stream::new(plan.seed, Stage::Direct, rows.depth),
+            stream: Stream::new(seed, Stage::Direct, rows.depth),
             first,
         };
         self.counts.clear();

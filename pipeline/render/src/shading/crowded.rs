@@ -30,7 +30,7 @@ impl Job<'_> {
         } = work;
         probes.rays.clear();
         probes.rows.clear();
-        let stream = Stream::new(self.seed(), Stage::Followed, u32::MAX - depth);
+        let stream = Stream::new(self.options.seed, Stage::Followed, u32::MAX - depth);
         for (row, trust) in trust.iter_mut().enumerate() {
             if !*trust || !self.answers_for(&seen.materials[row]) {
                 continue;

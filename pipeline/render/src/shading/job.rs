@@ -187,6 +187,7 @@ impl Job<'_> {
             };
             let sampled = &mut work.sampled_lighting;
             let pixels = (names.first, names.width);
+            let plan = (plan, options.seed);
             sampled.shade(self.tracer, rows, &self.sampled, plan, pixels, watch);
             self.add(layer, seen, sampled.radiance.iter().copied());
         }

@@ -165,7 +165,7 @@ impl Job<'_> {
         let launch = Launch {
             tracer: self.tracer,
             lights: &self.sampled,
-            stream: Stream::new(self.seed(), Stage::Followed, depth),
+            stream: Stream::new(self.options.seed, Stage::Followed, depth),
             first: names.first,
             bright: self.patches.as_ref(),
             least: least(self.options.gather.max(self.options.fallback)),
@@ -210,10 +210,6 @@ impl Job<'_> {
                 band.indirect[carried.pixel as usize] += self.weight * throughput * sent;
             }
         }
-    }
-
-    pub(super) fn seed(&self) -> u64 {
-        self.options.shadow_rays.unwrap_or_default().seed
     }
 
     /// Adds the trust of rows that the model answers for, but for what hangs on rays that they sent on, and

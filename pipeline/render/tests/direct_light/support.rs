@@ -111,7 +111,8 @@ pub fn frames_by(scene: &Scene, lights: &Lights, rays: ShadowRays) -> Vec<Vec<f6
         let options = RenderOptions {
             part: Part::Direct,
             area_lights: Some(&lamps),
-            shadow_rays: Some(ShadowRays { seed, ..rays }),
+            shadow_rays: Some(rays),
+            seed,
             ..RenderOptions::default()
         };
         let frame = render(&tracer, &field, &view(), lights, &options).unwrap();
