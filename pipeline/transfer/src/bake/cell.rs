@@ -7,7 +7,7 @@ use super::directions::Directions;
 use super::exact::ExactParts;
 use super::judge::{Judged, borne_out, judged_error};
 use super::lighting::Lighting;
-use super::parts::PartRows;
+use super::part_rows::PartRows;
 use super::sketch::{SketchRow, sign};
 use super::smooth::Smoothed;
 use crate::TransferError;

@@ -12,6 +12,7 @@ mod level;
 mod lighting;
 mod memory;
 mod model;
+mod part_rows;
 mod parts;
 mod progress;
 mod rounds;

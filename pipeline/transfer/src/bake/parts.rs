@@ -1,8 +1,7 @@
 //! Fits of a cell's two parts.
 
 use super::cell::CellFitter;
-use super::directions::Directions;
-use super::smooth::Smoothed;
+use super::part_rows::PartRows;
 use crate::model::{PartFit, TransferNodes};
 use crate::query::{INPUTS, VIEW};
 use crate::regression::{NetConfig, Samples, fit_net};
@@ -14,20 +13,6 @@ const SPREAD: f32 = 1e-4;
 /// Rows that a hidden unit asks for, and units that a net has all the same.
 const ROWS_A_UNIT: usize = 10;
 const LEAST_UNITS: usize = 2;
-
-/// One of a cell's two parts on the rows that it is fitted to.
-pub(super) struct PartRows<'a> {
-    /// Rows of the table.
-    pub(super) rows: &'a [u32],
-    /// Their smoothed values.
-    pub(super) smoothed: &'a Smoothed,
-    /// Those that the values are combinations of.
-    pub(super) directions: &'a Directions,
-    /// Number of the part.
-    pub(super) part: usize,
-    /// Whether it depends on the viewer.
-    pub(super) view: bool,
-}
 
 impl CellFitter<'_> {
     /// A net and its exact outputs; none where no input says anything.
