@@ -2,10 +2,9 @@
 
 import os
 import re
-import subprocess
 
 import pytest
-from viewer import RRF, Viewer
+from viewer import Viewer
 
 
 def test_shows_a_frame(viewer):
@@ -120,37 +119,12 @@ def test_second_viewer_has_its_own_camera(browser, server, viewer):
 
 
 def test_the_command_makes_the_same_picture(viewer, tmp_path):
-    """The shell command that the page tells: its PNG is the page's picture, but for the
-    live one's coarser sRGB table."""
     box = viewer.page.locator("#frame").bounding_box()
     spot = (box["x"] + 0.3 * box["width"], box["y"] + 0.7 * box["height"])
     viewer.change(lambda: viewer.drag(spot, (35, 12)))
+    viewer.change(lambda: viewer.drag(viewer.light(), (40, 20)))
     viewer.change(lambda: viewer.page.evaluate("setExposure(shownExposure)"))
-    command = viewer.page.text_content("#command").replace("\\\n", " ").split()
-    assert command[0] == "rrf"
-    subprocess.run([RRF, *command[1:]], cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
-    data = (tmp_path / "view.png").read_bytes()
-    difference = viewer.page.evaluate(
-        """async (bytes) => {
-            const blob = new Blob([new Uint8Array(bytes)], { type: "image/png" });
-            const image = await createImageBitmap(blob);
-            const canvas = new OffscreenCanvas(image.width, image.height);
-            canvas.getContext("2d").drawImage(image, 0, 0);
-            const read = (c) => c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
-            const [a, b] = [read(canvas), read(document.getElementById("frame"))];
-            if (a.length !== b.length) return [255, 1];
-            let [most, many] = [0, 0];
-            for (let i = 0; i < a.length; i++) {
-                const d = Math.abs(a[i] - b[i]);
-                most = Math.max(most, d);
-                many += d > 1;
-            }
-            return [most, many / a.length];
-        }""",
-        list(data),
-    )
-    # one level by the table; edge pixels by seven digits of the printed camera
-    assert difference[1] < 1e-3, difference
+    viewer.command_makes_it(tmp_path)
 
 
 def test_screenshot(viewer):

@@ -1,16 +1,18 @@
 """The lights of `rrf view` in a headless browser: the page's own and the scene's."""
 
+import os
+import pathlib
 import shutil
-import subprocess
 
 import pytest
-from viewer import ROOT, RRF, Viewer, bake, served
+from viewer import ROOT, Viewer, bake, served
+
+# the smallest transfer
+SMALL = ["--method", "transfer", "--preset", "preview", "--rows", "3000", "--paths", "64"]
 
 
-@pytest.fixture(scope="module")
-def lit(tmp_path_factory):
-    """The Cornell box with a point and a spot of its own beside its lamp, with the smallest bake."""
-    folder = tmp_path_factory.mktemp("lit")
+def lit_scene(folder):
+    """The Cornell box with a point and a spot of its own beside its lamp."""
     shutil.copytree(ROOT / "scenes/cornell-box", folder / "scene")
     scene = folder / "scene/scene.pbrt"
     lights = '''WorldBegin
@@ -19,7 +21,21 @@ def lit(tmp_path_factory):
         "float coneangle" [ 25 ] "float conedeltaangle" [ 8 ]
 '''
     scene.write_text(scene.read_text().replace("WorldBegin", lights, 1))
-    return bake(scene, folder / "run")
+    return scene
+
+
+@pytest.fixture(scope="module")
+def lit(tmp_path_factory):
+    """Nets of the box with the smallest bake."""
+    folder = tmp_path_factory.mktemp("lit")
+    return bake(lit_scene(folder), folder / "run")
+
+
+@pytest.fixture(scope="module")
+def lit_transfer(tmp_path_factory):
+    """A transfer of the box."""
+    folder = tmp_path_factory.mktemp("lit_transfer")
+    return bake(lit_scene(folder), folder / "run", *SMALL)
 
 
 @pytest.fixture
@@ -80,25 +96,84 @@ def test_own_lights_have_rows(lit_viewer):
     assert before["hash"] != after["hash"]
 
 
-def test_own_lights_are_dragged(lit_viewer):
-    page = lit_viewer.page
+def index_of(page, kind):
+    return page.evaluate(f"own.findIndex((l) => l.kind === '{kind}')")
+
+
+def drag_own(viewer, kind, by):
+    """Drags an own light by its handle; gives its name, and its place before and after."""
+    page, index = viewer.page, index_of(viewer.page, kind)
+    position = page.evaluate(f"own[{index}].position")
+    before, after = viewer.change(lambda: viewer.drag(viewer.place(f"own[{index}].position"), by))
+    assert before["hash"] != after["hash"]
+    name, moved = page.evaluate(f"[own[{index}].name, own[{index}].position]")
+    assert f"--move {name}:" in page.text_content("#command")
+    return name, position, moved
+
+
+def test_own_lights_are_dragged(lit_viewer, tmp_path):
     for kind in ("point", "spot"):
-        index = page.evaluate(f"own.findIndex((l) => l.kind === '{kind}')")
-        where = page.evaluate(
-            """(k) => {
-                const box = document.getElementById("frame").getBoundingClientRect();
-                const [x, y] = project(own[k].position, [box.width, box.height]);
-                return [box.left + x, box.top + y];
-            }""",
-            index,
-        )
-        position = page.evaluate(f"own[{index}].position")
-        before, after = lit_viewer.change(lambda: lit_viewer.drag(where, (45, 25)))
-        assert before["hash"] != after["hash"]
-        moved = page.evaluate(f"own[{index}].position")
+        _, position, moved = drag_own(lit_viewer, kind, (45, 25))
         assert moved[0] > position[0] and moved[1] < position[1]
-        name = page.evaluate(f"own[{index}].name")
-        assert f"--move {name}:" in page.text_content("#command")
+    # points stand for the lamp where it is
+    page, lamp = lit_viewer.page, index_of(lit_viewer.page, "lamp")
+    assert page.evaluate(f"own[{lamp}].position") is None
+    lit_viewer.command_makes_it(tmp_path)
+
+
+def test_a_lamp_is_dragged(browser, lit_transfer, tmp_path):
+    """The lamp is seen elsewhere, lights from there, and the command says so."""
+    with served(lit_transfer) as url:
+        viewer = Viewer(browser, url)
+        page = viewer.page
+        viewer.change(lambda: page.evaluate("setExposure(shownExposure)"))
+        lamp = index_of(page, "lamp")
+        home = viewer.place(f"own[{lamp}].position")
+        white = f"""() => {{
+            const [x, y] = project(own[{lamp}].position, size());
+            const data = $("frame").getContext("2d").getImageData(x, y, 1, 1).data;
+            return Math.min(data[0], data[1], data[2]);
+        }}"""
+        assert page.evaluate(white) > 200
+        _, position, moved = drag_own(viewer, "lamp", (-70, 90))
+        assert moved[0] < position[0] and moved[1] < position[1] - 0.1
+        # its own brightness is where it is now, and no longer where it was
+        if picture := os.environ.get("RRF_SCREENSHOTS"):
+            pathlib.Path(picture).mkdir(parents=True, exist_ok=True)
+            page.screenshot(path=f"{picture}/lamp.png")
+        assert page.evaluate(white) > 200
+        viewer.command_makes_it(tmp_path)
+        # a second move is one from where the file has it, not from the first
+        drag_own(viewer, "lamp", (40, -30))
+        viewer.command_makes_it(tmp_path)
+        # the same bytes as before any move
+        page.evaluate(f"own[{lamp}].position = own[{lamp}].home.position")
+        viewer.change(lambda: page.evaluate("ask()"))
+        assert viewer.place(f"own[{lamp}].position") == pytest.approx(home)
+        words = viewer.command_makes_it(tmp_path)
+        assert not any(word.startswith("--move") for word in words)
+        # traced pictures have it too
+        drag_own(viewer, "lamp", (-70, 90))
+        viewer.change(lambda: page.select_option("#size", "256"))
+        page.click("#trace")
+        viewer.wait_paths(32)
+        page.click("#trace")
+        relative = page.evaluate("tracedFacts.measures.find((m) => m.name === 'relative_error')")
+        assert relative["value"] < 0.5, relative
+        viewer.clean(url)
+        page.close()
+
+
+def test_at_rest_the_command_makes_the_same_picture(browser, lit_transfer, tmp_path):
+    with served(lit_transfer) as url:
+        viewer = Viewer(browser, url, width=640, height=480, refine=True)
+        page = viewer.page
+        page.evaluate("longest = 1e9; orbit(0.1, 0)")
+        viewer.until("Number(document.body.dataset.rays) === 16 && !asked", 300)
+        words = viewer.command_makes_it(tmp_path)
+        assert "--noise" not in words
+        viewer.clean(url)
+        page.close()
 
 
 def test_the_suns_dial(lit_viewer, tmp_path):
@@ -125,10 +200,9 @@ def test_the_suns_dial(lit_viewer, tmp_path):
     assert page.evaluate("sun.toward") == pytest.approx([180, 63.45], abs=0.1)
     morning = page.evaluate("sunAt(80, 6, 0)")
     assert morning == pytest.approx([90, 0], abs=1)
-    command = page.text_content("#command").replace("\\\n", " ").split()
-    assert any(word.startswith("--sun=180,63.4") for word in command)
-    assert "--scene-lights" in command
-    subprocess.run([RRF, *command[1:]], cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
+    words = viewer.command_makes_it(tmp_path)
+    assert any(word.startswith("--sun=180,63.4") for word in words)
+    assert "--scene-lights" in words
     viewer.change(lambda: page.click("#add-sun"))
     assert page.evaluate("suns.length") == 2
     viewer.change(lambda: page.locator("#own li:last-child button").last.click())

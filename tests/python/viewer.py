@@ -4,6 +4,7 @@ import contextlib
 import os
 import pathlib
 import re
+import shlex
 import signal
 import subprocess
 import time
@@ -21,6 +22,24 @@ DIGEST = """() => {
         hash = (Math.imul(hash, 31) + data[i] + 256 * data[i + 1] + 65536 * data[i + 2]) | 0;
     }
     return { sum, hash, size: [canvas.width, canvas.height] };
+}"""
+
+# the largest difference of a PNG's channels from the shown picture's, and the share of those that differ
+DIFFERENCE = """async (bytes) => {
+    const blob = new Blob([new Uint8Array(bytes)], { type: "image/png" });
+    const image = await createImageBitmap(blob, { colorSpaceConversion: "none" });
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    canvas.getContext("2d").drawImage(image, 0, 0);
+    const read = (c) => c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
+    const [a, b] = [read(canvas), read(document.getElementById("frame"))];
+    if (a.length !== b.length) return [255, 1];
+    let [most, many] = [0, 0];
+    for (let i = 0; i < a.length; i++) {
+        const d = Math.abs(a[i] - b[i]);
+        most = Math.max(most, d);
+        many += d > 0;
+    }
+    return [most, many / a.length];
 }"""
 
 
@@ -93,15 +112,29 @@ class Viewer:
         self.shown(frames + 1)
         return before, self.digest()
 
+    def command_makes_it(self, folder):
+        """Runs the command that the page tells in a folder: its PNG has the bytes of the page's picture."""
+        command = self.page.text_content("#command").replace("\\\n", " ")
+        words = shlex.split(command)
+        assert words[0] == "rrf"
+        subprocess.run([RRF, *words[1:]], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+        difference = self.page.evaluate(DIFFERENCE, list((folder / "view.png").read_bytes()))
+        assert difference == [0, 0], (difference, command)
+        return words
+
+    def place(self, position):
+        """Where a position, as a JavaScript expression, is on the page."""
+        return self.page.evaluate(
+            f"""() => {{
+                const box = document.getElementById("frame").getBoundingClientRect();
+                const [x, y] = project({position}, [box.width, box.height]);
+                return [box.left + x, box.top + y];
+            }}"""
+        )
+
     def light(self):
         """Where the first light's handle is on the page."""
-        return self.page.evaluate(
-            """() => {
-                const box = document.getElementById("frame").getBoundingClientRect();
-                const [x, y] = project(lights[0].position, [box.width, box.height]);
-                return [box.left + x, box.top + y];
-            }"""
-        )
+        return self.place("lights[0].position")
 
     def drag(self, start, by, button="left"):
         mouse = self.page.mouse

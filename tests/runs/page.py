@@ -100,8 +100,7 @@ class WebSocket:
 
 def question(hello, size):
     """The page's first question, in another size."""
-    view = {name: hello[name] for name in ("eye", "right", "up", "forward", "fov")}
-    return {**view, "id": 1, "size": size, "lights": hello["lights"]}
+    return {"fov": hello["fov"], "id": 1, "size": size, "lights": hello["lights"]}
 
 
 def frame(address, token):

@@ -32,6 +32,7 @@ impl std::fmt::Display for ViewWarning {
 }
 
 /// Surroundings of views and lights: a scene, and the boxes that its nets were baked for.
+#[derive(Clone, Copy)]
 pub struct Surroundings<'a> {
     /// The scene.
     pub tracer: &'a Tracer<'a>,

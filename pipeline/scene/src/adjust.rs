@@ -73,18 +73,32 @@ impl Scene {
             light.source = light.source.moved(to).ok_or_else(no_position)?;
             return Ok(());
         }
-        let triangles: Vec<usize> = (0..self.triangles.len())
-            .filter(|&t| {
-                let light = self.triangle_light[t] as usize;
-                self.area_light_names
-                    .get(light)
-                    .is_some_and(|of| of == name)
-            })
-            .collect();
+        let triangles = self.triangles_of_lamp(name);
         let middle = self.middle_of(&triangles);
         let middle = middle.ok_or_else(|| self.unknown_light(name))?;
         self.shift(&triangles, to - middle);
         Ok(())
+    }
+
+    /// Middle of a lamp's surface: where [`Scene::move_light`] says that it stands.
+    pub fn middle_of_lamp(&self, name: &str) -> Option<Vec3> {
+        self.middle_of(&self.triangles_of_lamp(name))
+    }
+
+    /// Takes surfaces back to where they are in `original`, of which this scene was a copy before its
+    /// lights were moved.
+    pub fn put_back(&mut self, original: &Scene) {
+        self.positions.clone_from(&original.positions);
+        self.normals.clone_from(&original.normals);
+        self.uvs.clone_from(&original.uvs);
+        self.triangles.clone_from(&original.triangles);
+    }
+
+    fn triangles_of_lamp(&self, name: &str) -> Vec<usize> {
+        let names = |light: u32| self.area_light_names.get(light as usize);
+        (0..self.triangles.len())
+            .filter(|&t| names(self.triangle_light[t]).is_some_and(|of| of == name))
+            .collect()
     }
 
     /// Middle of triangles' surface by area; `None` where they have none.
@@ -180,6 +194,12 @@ mod tests {
             let ratio = scene.triangle_area(t) / before.triangle_area(t);
             assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
         }
+        assert!(scene.middle_of_lamp(&lamp).unwrap().distance(to) < 1e-5);
+        let once = scene.positions.clone();
+        scene.put_back(&before);
+        assert_eq!(scene.middle_of_lamp(&lamp), before.middle_of_lamp(&lamp));
+        scene.move_light(&lamp, to).unwrap();
+        assert_eq!(scene.positions, once);
         let far = scene.move_light("far", to).unwrap_err();
         assert!(far.to_string().contains("no position"), "{far}");
     }

@@ -13,6 +13,15 @@ const rotate = (v, axis, angle) => {
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   return add(add(scale(v, c), scale(cross(axis, v), s)), scale(axis, dot(axis, v) * (1 - c)));
 };
+// The shortest number that a float of 32 bits is written as: the page asks by the numbers that it prints.
+const short32 = (x) => {
+  const wanted = Math.fround(x);
+  for (let digits = 1; digits < 9; digits++) {
+    const shorter = Number(x.toPrecision(digits));
+    if (Math.fround(shorter) === wanted) return shorter;
+  }
+  return Number(x.toPrecision(9));
+};
 const clamp = (x, low, high) => Math.min(high, Math.max(low, x));
 
 const token = new URLSearchParams(location.search).get("token") || "";
@@ -24,12 +33,16 @@ let lights = []; // { position, colour (brightest channel 1), watts }
 let chosen = 0;
 let mode = "full";
 let exposure = null; // stops, or null: automatic
-let shownExposure = 0;
+let shownExposure = null; // of the last frame
 let moved = false; // the camera is no longer the scene's own
 
 // ---- the camera
 
+// Whether the view is other than the scene's own.
+const isTyped = () => moved || start.view_is_typed;
+
 function axes() {
+  if (!isTyped()) return start;
   const right = scale(unit(cross(camera.forward, camera.up)), camera.mirror);
   return { right, up: scale(cross(right, camera.forward), camera.mirror), forward: camera.forward };
 }

@@ -8,23 +8,37 @@ let number = 0;
 let facts = null; // of the frame whose bytes come next
 let picks = new Map();
 
-const MOVING = { whole: false, aa: 1 };
+// Bounds on the noise of direct light, as shares of white: while something moves, and at rest as `rrf render`'s.
+const [COARSE, FINE] = [0.05, 0.01];
+const MOVING = { whole: false, aa: 1, noise: COARSE };
 let detail = MOVING; // of the question that waits
 
 function question(of = MOVING) {
-  const { right, up, forward } = axes();
+  // a picture at rest keeps the exposure of the one that moved
+  const stops = exposure ?? (shownExposure === null ? null : inHundredths(shownExposure));
   return {
     id: ++number,
-    eye: camera.eye, right, up, forward,
-    fov: camera.fov,
+    ...(isTyped() ? { camera: cameraWords() } : {}),
+    fov: short32(camera.fov),
     size: size(of.whole),
     aa: of.aa,
     blend: $("blend").checked,
-    lights: (solo ? [] : lights).map((l) => [...l.position, ...scale(l.colour, l.watts)]),
+    lights: (solo ? [] : lights).map((l) => [...l.position, ...scale(l.colour, l.watts)].map(short32)),
     ...ownQuestion(),
-    mode, exposure,
+    mode,
+    exposure: of === MOVING ? exposure : stops,
+    noise: stops === null ? null : { share: of.noise, exposure: stops },
   };
 }
+
+// The camera as `rrf render` takes it.
+function cameraWords() {
+  const { eye, forward, up, mirror } = camera;
+  const [from, target, above] = [eye, add(eye, forward), up].map((v) => v.map(short32));
+  return { eye: from, target, up: above, mirror: mirror < 0 };
+}
+
+const inHundredths = (x) => Number(x.toFixed(2));
 
 // Asks for the view as it is now; the server drops a picture at rest that it is still working on.
 function ask() {
@@ -82,7 +96,7 @@ function finer() {
   const time = (aa) => cost * width * height * aa * aa;
   for (let aa = detail === MOVING ? 1 : detail.aa + 1; aa <= MOST_RAYS; aa++) {
     const worth = aa === MOST_RAYS || time(aa) > 2 * PAUSE || time(aa + 1) > longest;
-    if (worth && time(aa) <= longest) return { whole: true, aa };
+    if (worth && time(aa) <= longest) return { whole: true, aa, noise: FINE };
   }
   return null;
 }
@@ -157,7 +171,7 @@ function told(f) {
     .map(([stage, ms]) => `${stage.replaceAll("_", " ")}: ${ms.toFixed(1)} ms`).join("\n");
   shownExposure = f.exposure;
   if (exposure === null) $("exposure").value = f.exposure;
-  const stops = Number(f.exposure.toFixed(2));
+  const stops = inHundredths(f.exposure);
   $("stops").textContent = `${stops < 0 ? "\u2212" : "+"}${Math.abs(stops).toFixed(2)}`;
   warnings(f.warnings);
   tellCommand();

@@ -99,9 +99,9 @@ function setMode(value) {
 }
 
 function setExposure(value) {
-  exposure = value;
+  exposure = value === null ? null : inHundredths(value);
   $("auto").checked = value === null;
-  if (value !== null) $("exposure").value = value;
+  if (value !== null) $("exposure").value = exposure;
   ask();
 }
 
@@ -177,19 +177,21 @@ new ResizeObserver(() => ask()).observe($("picture"));
 function tellCommand() {
   const [w, h] = facts ? facts.size : size();
   const rays = facts && facts.aa > 1 ? ` --aa ${facts.aa}` : "";
-  const list = (values) => values.map((x) => Number(x.toPrecision(7))).join(",");
+  const list = (values) => values.map(short32).join(",");
   const quoted = /^[\w./-]+$/.test(start.run) ? start.run : `'${start.run.replaceAll("'", "'\\''")}'`;
   const words = [`rrf render ${quoted} -o view.exr -o view.png`];
-  if (moved) {
-    words.push(`--eye=${list(camera.eye)} --look-at=${list(add(camera.eye, camera.forward))} --up=${list(camera.up)}`);
-    if (camera.mirror < 0) words.push("--mirror");
+  if (isTyped()) {
+    const { eye, target, up, mirror } = cameraWords();
+    words.push(`--eye=${list(eye)} --look-at=${list(target)} --up=${list(up)}`);
+    if (mirror) words.push("--mirror");
   }
-  words.push(`--fov ${Number(camera.fov.toPrecision(6))} --size ${w}x${h}${rays}`);
+  words.push(`--fov ${short32(camera.fov)} --size ${w}x${h}${rays}`);
   for (const l of solo ? [] : lights) words.push(`--light=${list([...l.position, ...scale(l.colour, l.watts)])}`);
   words.push(...ownWords(list));
+  if (facts?.noise && facts.noise !== Math.fround(FINE) && isSampled()) words.push(`--noise ${short32(facts.noise)}`);
   if (mode === "direct" || mode === "indirect") words.push(`--part ${mode}`);
   if ($("blend").checked) words.push("--blend");
-  words.push(`--exposure=${shownExposure.toFixed(2)}`);
+  words.push(`--exposure=${(shownExposure ?? 0).toFixed(2)}`);
   $("command").textContent = words.join(" \\\n  ");
   $("degrees").textContent = `${camera.fov.toFixed(1)}\u00b0`;
 }

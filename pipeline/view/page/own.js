@@ -7,6 +7,8 @@ let sun = null; // the light of own or suns that the dial turns
 
 const isSun = (light) => Boolean(light.toward);
 const shines = (light) => (solo ? solo === light : light.on);
+// Whether shadow rays have to choose among places of a light.
+const isSampled = () => suns.some(shines) || own.some((light) => shines(light) && light.kind !== "point");
 const same = (a, b) => a === b || (a && b && a.every((x, i) => x === b[i]));
 
 function beginOwn(hello) {
@@ -25,12 +27,12 @@ function beginOwn(hello) {
 // What a question says of them.
 function ownQuestion() {
   return {
-    suns: suns.filter(shines).map((s) => [...s.toward, ...scale(s.colour, s.watts)]),
+    suns: suns.filter(shines).map((s) => [...s.toward, ...scale(s.colour, s.watts)].map(short32)),
     own: own.filter(shines).map((light) => ({
       name: light.name,
-      dim: scale(light.colour, light.factor),
-      ...(same(light.position, light.home.position) ? {} : { position: light.position }),
-      ...(same(light.toward, light.home.toward) ? {} : { toward: light.toward }),
+      dim: scale(light.colour, light.factor).map(short32),
+      ...(same(light.position, light.home.position) ? {} : { position: light.position.map(short32) }),
+      ...(same(light.toward, light.home.toward) ? {} : { toward: light.toward.map(short32) }),
     })),
   };
 }

@@ -9,7 +9,7 @@ let border = 0.5; // where the traced picture begins, as a share of the width
 const measured = { relative_error: "relative error", rel_mse: "relMSE", delta_e_2000: "\u0394E2000", flip: "FLIP" };
 
 // A question without what is only shown.
-const sight = (q) => JSON.stringify({ ...q, id: 0, exposure: null });
+const sight = (q) => JSON.stringify({ ...q, id: 0, exposure: null, noise: null });
 
 // The view has changed: trace the new one, once it stands still.
 function retrace() {

@@ -50,6 +50,28 @@ pub struct OwnAsk {
     pub toward: Option<[f32; 2]>,
 }
 
+/// A camera as `rrf render` is told of one.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AskCamera {
+    eye: [f32; 3],
+    /// The point that it looks at.
+    target: [f32; 3],
+    up: [f32; 3],
+    /// Whether left and right are turned around.
+    mirror: bool,
+}
+
+/// How far a picture's shadow rays go on.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AskNoise {
+    /// Standard error of a pixel's direct light, as a share of white.
+    share: f32,
+    /// Exposure in stops that says what white is.
+    exposure: f32,
+}
+
 /// A question as it comes over the wire: positions in metres, world frame; `lights` are rows of
 /// position and radiant intensity [W/sr].
 #[derive(Clone, Debug, Deserialize)]
@@ -58,10 +80,9 @@ pub struct Ask {
     /// Comes back with the answer.
     #[serde(default)]
     pub id: u32,
-    eye: [f32; 3],
-    right: [f32; 3],
-    up: [f32; 3],
-    forward: [f32; 3],
+    /// None for the camera that the page starts with.
+    #[serde(default)]
+    camera: Option<AskCamera>,
     fov: f32,
     size: [u32; 2],
     lights: Vec<[f32; 6]>,
@@ -77,6 +98,9 @@ pub struct Ask {
     /// Exposure in stops; none to have it chosen from the picture.
     #[serde(default)]
     pub exposure: Option<f32>,
+    /// None for 16 shadow rays a camera ray.
+    #[serde(default)]
+    noise: Option<AskNoise>,
     /// Camera rays a pixel are `aa` x `aa`; more than 1 for a picture at rest, which is given up as soon
     /// as another question comes.
     #[serde(default = "one")]
@@ -95,8 +119,8 @@ fn one() -> u32 {
 }
 
 impl Ask {
-    /// A question that can be answered, or why it cannot.
-    pub fn parse(text: &str) -> Result<Ask, String> {
+    /// A question that can be answered, or why it cannot; `start` is the view that the page starts with.
+    pub fn parse(text: &str, start: &View) -> Result<Ask, String> {
         let ask: Ask = serde_json::from_str(text).map_err(|e| e.to_string())?;
         let [width, height] = ask.size;
         if width > LARGEST_SIDE || height > LARGEST_SIDE {
@@ -115,7 +139,12 @@ impl Ask {
         if ask.exposure.is_some_and(|ev| !ev.is_finite()) {
             return Err("the exposure is not finite".into());
         }
-        ask.view().check().map_err(|e| e.to_string())?;
+        if let Some(noise) = ask.noise
+            && !(noise.share > 0.0 && noise.share.is_finite() && noise.exposure.is_finite())
+        {
+            return Err("the noise's share of white is not above zero".into());
+        }
+        ask.view(start).check().map_err(|e| e.to_string())?;
         let typed = Lights {
             points: ask.points().collect(),
             sources: ask.suns().collect(),
@@ -125,17 +154,34 @@ impl Ask {
         Ok(ask)
     }
 
-    /// The view.
-    pub fn view(&self) -> View {
-        View {
-            eye: self.eye.into(),
-            right: self.right.into(),
-            up: self.up.into(),
-            forward: self.forward.into(),
-            fov: self.fov,
-            width: self.size[0],
-            height: self.size[1],
+    /// The view, as `rrf render` makes it of the same numbers; `start` is the one that the page starts with.
+    pub fn view(&self, start: &View) -> View {
+        let (fov, size) = (self.fov, self.size);
+        let Some(camera) = self.camera else {
+            return View {
+                fov,
+                width: size[0],
+                height: size[1],
+                ..start.clone()
+            };
+        };
+        let [eye, target, up] = [camera.eye, camera.target, camera.up].map(Vec3::from);
+        let mut view = View::look_at(eye, target, up, fov, size);
+        if camera.mirror {
+            view.right = -view.right;
         }
+        view
+    }
+
+    /// Bound on the standard error of direct light [W/(sr m²)], by the formula of `rrf render --noise`.
+    pub fn noise(&self) -> Option<f32> {
+        self.noise
+            .map(|noise| noise.share * (-noise.exposure).exp2())
+    }
+
+    /// That bound as a share of white.
+    pub fn noise_share(&self) -> Option<f32> {
+        self.noise.map(|noise| noise.share)
     }
 
     /// The point lights of the page itself.
@@ -162,18 +208,32 @@ impl Ask {
 mod tests {
     use super::*;
 
-    const GOOD: &str = r#"{"eye":[0,0,0],"right":[1,0,0],"up":[0,1,0],"forward":[0,0,-1],
+    const GOOD: &str = r#"{"camera":{"eye":[0,0,0],"target":[0,0,-1],"up":[0,1,0],"mirror":true},
         "fov":40,"size":[64,48],"lights":[[0,1,0,1,1,1]],"mode":"cells"}"#;
+
+    fn start() -> View {
+        View::look_at(Vec3::Y, Vec3::ZERO, Vec3::X, 30.0, [512, 512])
+    }
 
     #[test]
     fn a_question_is_a_view_lights_and_a_mode() {
-        let ask = Ask::parse(GOOD).unwrap();
-        assert_eq!((ask.view().width, ask.view().height), (64, 48));
+        let ask = Ask::parse(GOOD, &start()).unwrap();
+        let view = ask.view(&start());
+        assert_eq!((view.width, view.height), (64, 48));
+        assert_eq!((view.right, view.up), (Vec3::NEG_X, Vec3::Y));
         assert_eq!(ask.points().next().unwrap().position, Vec3::Y);
         assert_eq!(
             (ask.mode, ask.exposure, ask.pick),
             (ShownLayer::Cells, None, None)
         );
+        let ask = Ask::parse(r#"{"fov":40,"size":[64,48],"lights":[]}"#, &start()).unwrap();
+        let expected = View {
+            fov: 40.0,
+            width: 64,
+            height: 48,
+            ..start()
+        };
+        assert_eq!(ask.view(&start()), expected);
     }
 
     #[test]
@@ -181,7 +241,8 @@ mod tests {
         let bad = [
             ("\"size\":[64,48]", "\"size\":[0,48]"),
             ("\"size\":[64,48]", "\"size\":[64,4096]"),
-            ("\"forward\":[0,0,-1]", "\"forward\":[0,0,0]"),
+            ("\"target\":[0,0,-1]", "\"target\":[0,0,0]"),
+            ("\"target\":[0,0,-1]", "\"target\":[0,-1,0]"),
             ("\"fov\":40", "\"fov\":180"),
             ("\"fov\":40", "\"fov\":1e999"),
             ("[0,1,0,1,1,1]", "[0,1,0,1,1]"),
@@ -189,14 +250,22 @@ mod tests {
             ("\"mode\":\"cells\"", "\"mode\":\"x\""),
             ("\"mode\":\"cells\"", "\"file\":\"/etc/passwd\""),
             ("\"mode\":\"cells\"", "\"exposure\":1e39"),
+            (
+                "\"mode\":\"cells\"",
+                "\"noise\":{\"share\":0,\"exposure\":0}",
+            ),
+            ("\"mode\":\"cells\"", "\"noise\":{\"share\":0.1}"),
             ("\"mode\":\"cells\"", "\"aa\":0"),
             ("\"mode\":\"cells\"", "\"aa\":9"),
         ];
         for (good, bad) in bad {
             let text = GOOD.replace(good, bad);
-            assert!(text != GOOD && Ask::parse(&text).is_err(), "{bad}");
+            assert!(
+                text != GOOD && Ask::parse(&text, &start()).is_err(),
+                "{bad}"
+            );
         }
         let many = vec!["[0,1,0,1,1,1]"; MOST_LIGHTS + 1].join(",");
-        assert!(Ask::parse(&GOOD.replace("[0,1,0,1,1,1]", &many)).is_err());
+        assert!(Ask::parse(&GOOD.replace("[0,1,0,1,1,1]", &many), &start()).is_err());
     }
 }

@@ -1,7 +1,7 @@
 //! The socket of live frames: a question, a frame.
 
 use crate::ask::{Ask, ShownLayer};
-use crate::own::DimmedLamps;
+use crate::lamps::{DimmedLamps, MovedLamps};
 use crate::pixels;
 use crate::show::Show;
 use crate::socket::{Ended, Socket};
@@ -15,30 +15,61 @@ use std::time::Instant;
 /// Answers until the page goes.
 pub fn serve(show: &Show, socket: &mut Socket) -> Result<(), Ended> {
     socket.tell(&json!({ "hello": show.hello() }))?;
-    let renderers = show.renderers();
-    let (mut frame, mut lamps) = (Frame::default(), DimmedLamps::default());
+    let (mut frame, mut moved) = (Frame::default(), MovedLamps::default());
+    let mut ask = next(show, socket)?;
     loop {
-        let ask = match Ask::parse(&socket.ask()?) {
-            Ok(ask) => ask,
-            Err(reason) => {
-                socket.tell(&json!({ "error": reason }))?;
-                continue;
+        let still = moved.show(show, &ask, |show| {
+            while_lamps_stand(show, socket, &mut frame, ask.clone())
+        });
+        ask = match still {
+            Ok(next) => next?,
+            Err(error) => {
+                socket.tell(&json!({ "id": ask.id, "error": error }))?;
+                next(show, socket)?
             }
         };
+    }
+}
+
+/// The next question that can be answered.
+fn next(show: &Show, socket: &mut Socket) -> Result<Ask, Ended> {
+    loop {
+        match Ask::parse(&socket.ask()?, &show.view) {
+            Ok(ask) => return Ok(ask),
+            Err(reason) => socket.tell(&json!({ "error": reason }))?,
+        }
+    }
+}
+
+/// Answers a question, and all that follow until one has moved a lamp, which it returns; `show` has the
+/// lamps where the question has them.
+fn while_lamps_stand(
+    show: &Show,
+    socket: &mut Socket,
+    frame: &mut Frame,
+    mut ask: Ask,
+) -> Result<Ask, Ended> {
+    let (renderers, mut lamps) = (show.renderers(), DimmedLamps::default());
+    loop {
         if let Some(at) = ask.pick {
             socket.tell(&json!({ "id": ask.id, "picked": pick(show, &ask, at) }))?;
-            continue;
-        }
-        // a picture at rest may take seconds: a question that comes meanwhile is more urgent
-        let waits = || ask.aa > 1 && socket.has_question();
-        match answer(show, &renderers, &ask, &waits, (&mut frame, &mut lamps)) {
-            Ok(Some((facts, bytes))) => {
-                socket.tell(&facts)?;
-                socket.send(bytes)?;
+        } else {
+            // a picture at rest may take seconds: a question that comes meanwhile is more urgent
+            let waits = || ask.aa > 1 && socket.has_question();
+            match answer(show, &renderers, &ask, &waits, (frame, &mut lamps)) {
+                Ok(Some((facts, bytes))) => {
+                    socket.tell(&facts)?;
+                    socket.send(bytes)?;
+                }
+                Ok(None) => socket.tell(&json!({ "id": ask.id, "dropped": true }))?,
+                Err(error) => socket.tell(&json!({ "id": ask.id, "error": error }))?,
             }
-            Ok(None) => socket.tell(&json!({ "id": ask.id, "dropped": true }))?,
-            Err(error) => socket.tell(&json!({ "id": ask.id, "error": error }))?,
         }
+        let following = next(show, socket)?;
+        if show.own.moved_lamps(&following) != show.own.moved_lamps(&ask) {
+            return Ok(following);
+        }
+        ask = following;
     }
 }
 
@@ -58,7 +89,7 @@ fn answer(
         ..options(show, ask)
     };
     let renderer = if lights.area { lit } else { dark };
-    let timings = match renderer.render(&ask.view(), &lights, &options, frame) {
+    let timings = match renderer.render(&ask.view(&show.view), &lights, &options, frame) {
         Ok(timings) => timings,
         Err(RenderError::Trace(TraceError::Halted)) => return Ok(None),
         Err(error) => return Err(error.to_string()),
@@ -72,6 +103,7 @@ fn answer(
         "id": ask.id,
         "size": [frame.width, frame.height],
         "aa": ask.aa,
+        "noise": ask.noise_share(),
         "render_ms": 1e3 * rendered.as_secs_f64(),
         "frame_ms": 1e3 * start.elapsed().as_secs_f64(),
         "thread_ms": thread_ms,
@@ -90,6 +122,7 @@ pub fn options<'a>(show: &Show<'a>, ask: &Ask) -> RenderOptions<'a> {
             _ => Part::Indirect,
         },
         aa: ask.aa,
+        noise: ask.noise(),
         trusted: (ask.mode == ShownLayer::Trust).then_some(show.trusted),
         borders: show.borders.filter(|_| ask.blend),
         ..RenderOptions::default()
@@ -104,7 +137,7 @@ pub fn exposure(ask: &Ask, frame: &Frame) -> Exposure {
 
 /// The surface point at a place of the picture, if any.
 fn pick(show: &Show, ask: &Ask, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
-    let view = ask.view();
+    let view = ask.view(&show.view);
     let direction = view.direction(x, y);
     if !direction.is_finite() {
         return None;

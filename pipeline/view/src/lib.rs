@@ -17,6 +17,7 @@ mod connections;
 mod error;
 mod frames;
 mod http;
+mod lamps;
 mod own;
 mod page;
 mod pixels;

@@ -9,6 +9,7 @@ use rrf_trace::Tracer;
 use serde_json::{Value, json};
 
 /// The own lights of the scene that a page shows.
+#[derive(Clone, Copy)]
 pub struct OwnLights<'a> {
     /// The scene with its lights, which frames are traced in where lamps shine.
     pub tracer: &'a Tracer<'a>,
@@ -67,7 +68,11 @@ impl<'a> OwnLights<'a> {
         Row {
             strength: found.map_or(Vec3::ZERO, |(light, _)| light.radiance),
             unit: "W/(sr m²)",
-            position: None,
+            // points that stand for a lamp are fitted to it where it is
+            position: self
+                .known
+                .then(|| self.scene().middle_of_lamp(name))
+                .flatten(),
             toward: None,
         }
     }
@@ -93,16 +98,21 @@ impl<'a> OwnLights<'a> {
         )
     }
 
-    /// The lights that a question switches on, its typed ones first.
+    /// The lamps that a question moves, and where to.
+    pub fn moved_lamps<'q>(&self, ask: &'q Ask) -> Vec<(&'q str, Vec3)> {
+        let is_lamp = |own: &&OwnAsk| self.scene().area_light_names.contains(&own.name);
+        let lamps = ask.own.iter().filter(is_lamp);
+        let places = lamps.filter_map(|own| Some((own.name.as_str(), Vec3::from(own.position?))));
+        places.collect()
+    }
+
+    /// The lights that a question switches on in the order of `rrf render`'s, its typed ones last; lamps
+    /// stand where this scene has them.
     ///
     /// # Errors
     /// If a light has no such name or cannot be moved.
     pub fn lights(&self, ask: &Ask) -> Result<Lights, String> {
-        let mut lights = Lights {
-            points: ask.points().collect(),
-            sources: ask.suns().collect(),
-            ..Lights::default()
-        };
+        let mut lights = Lights::default();
         let mut dims = vec![Vec3::ZERO; self.scene().area_lights.len()];
         for own in &ask.own {
             let (mut found, factor) = (false, Vec3::from(own.dim));
@@ -125,6 +135,8 @@ impl<'a> OwnLights<'a> {
                 return Err(format!("there is no own light {:?}; {known}", own.name));
             }
         }
+        lights.points.extend(ask.points());
+        lights.sources.extend(ask.suns());
         lights.area = dims.iter().any(|dim| *dim != Vec3::ZERO);
         lights.dims = if lights.area { dims } else { Vec::new() };
         lights.check().map_err(|error| error.to_string())?;
@@ -178,27 +190,6 @@ pub(crate) fn sun_rows(suns: &[DistantLight]) -> Vec<Vec<f64>> {
     suns.iter().map(row).collect()
 }
 
-/// The lamps of a scene under the dims that were last asked for: a change cuts them anew.
-#[derive(Default)]
-pub(crate) struct DimmedLamps {
-    dims: Vec<Vec3>,
-    lamps: Option<AreaLights>,
-}
-
-impl DimmedLamps {
-    /// The lamps for a frame under `lights`.
-    pub(crate) fn under(&mut self, own: &OwnLights, lights: &Lights) -> Option<&AreaLights> {
-        if !lights.area {
-            return None;
-        }
-        if self.dims != lights.dims || self.lamps.is_none() {
-            self.lamps = Some(own.lamps.dimmed(own.scene(), &lights.dims));
-            self.dims.clone_from(&lights.dims);
-        }
-        self.lamps.as_ref()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,10 +225,10 @@ mod tests {
 
     fn ask(own: &str) -> Ask {
         let text = format!(
-            r#"{{"eye":[0,0,0],"right":[1,0,0],"up":[0,1,0],"forward":[0,0,-1],"fov":40,
-            "size":[64,48],"lights":[[0,1,0,1,1,1]],"suns":[[90,0,1,2,3]],"own":{own}}}"#
+            r#"{{"fov":40,"size":[64,48],"lights":[[0,1,0,1,1,1]],"suns":[[90,0,1,2,3]],"own":{own}}}"#
         );
-        Ask::parse(&text).unwrap()
+        let start = rrf_render::View::look_at(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 40.0, [64, 48]);
+        Ask::parse(&text, &start).unwrap()
     }
 
     #[test]
@@ -271,10 +262,10 @@ mod tests {
             {"name":"spot","dim":[1,1,1]},{"name":"far","dim":[1,1,1],"toward":[90,0]},
             {"name":"light0","dim":[0.5,0,1]}]"#;
         let all = own.lights(&ask(all)).unwrap();
-        assert_eq!(all.points[1].position, Vec3::new(0.0, 0.5, 0.0));
-        assert_eq!(all.points[1].intensity, Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(all.points[0].position, Vec3::new(0.0, 0.5, 0.0));
+        assert_eq!(all.points[0].intensity, Vec3::new(1.0, 2.0, 3.0));
         assert_eq!(all.sources.len(), 3);
-        let LightSource::Distant(far) = all.sources[2].source else {
+        let LightSource::Distant(far) = all.sources[1].source else {
             panic!("not a sun")
         };
         assert!((far.toward - Vec3::X).length() < 1e-6);

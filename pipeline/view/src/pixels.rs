@@ -9,15 +9,36 @@ use rrf_metrics::{Picture, color::luminance};
 use rrf_render::{Frame, png};
 use std::sync::LazyLock;
 
-/// Steps of [`ENCODED`]: 5 a grey level where the sRGB curve is steepest.
+/// Steps of [`FLOORS`]: 5 a grey level where the sRGB curve is steepest, so that a step has one border
+/// between levels at the most.
 const STEPS: usize = 1 << 14;
-/// sRGB byte of a linear value, by its step: at most one level off the exact rounding.
-static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
-    let value = |step: usize| Vec3::splat(step as f32 / STEPS as f32);
+/// sRGB byte of the lower end of each step of linear values.
+static FLOORS: LazyLock<Vec<u8>> = LazyLock::new(|| {
     (0..=STEPS)
-        .map(|step| srgb8(value(step), Exposure::default())[0])
+        .map(|k| byte_of(k as f32 / STEPS as f32))
         .collect()
 });
+/// The least linear value of each sRGB byte.
+static LEAST: LazyLock<Vec<f32>> = LazyLock::new(|| {
+    let least = |byte: u8| {
+        // positive numbers are ordered as their bits are
+        let (mut below, mut reaching) = (0, 1f32.to_bits());
+        while below < reaching {
+            let middle = below.midpoint(reaching);
+            match byte_of(f32::from_bits(middle)) < byte {
+                true => below = middle + 1,
+                false => reaching = middle,
+            }
+        }
+        f32::from_bits(reaching)
+    };
+    (0..=u8::MAX).map(least).collect()
+});
+
+fn byte_of(linear: f32) -> u8 {
+    srgb8(Vec3::splat(linear), Exposure::default())[0]
+}
+
 /// Pixels that a thread takes at once.
 const RUN: usize = 4096;
 /// The relative difference that [`difference`] shows in full colour.
@@ -35,15 +56,14 @@ pub fn shown(frame: &Frame, mode: ShownLayer, exposure: Exposure) -> Vec<u8> {
     }
 }
 
-/// Linear radiance at an exposure.
+/// Linear radiance at an exposure: the bytes of [`srgb8`].
 pub fn exposed(pixels: &[Vec3], exposure: Exposure) -> Vec<u8> {
-    let encoded: &[u8] = &ENCODED;
-    let scale = exposure.ev.exp2() * STEPS as f32;
-    coded(pixels, |pixel| {
-        (*pixel * scale).to_array().map(|x| {
-            // NaN and what is below zero are cast to 0.
-            let step = (x + 0.5) as usize;
-            encoded.get(step.min(STEPS)).copied().unwrap_or(0)
+    let (floors, least): (&[u8], &[f32]) = (&FLOORS, &LEAST);
+    coded(pixels, |&pixel| {
+        exposure.apply(pixel).to_array().map(|x| {
+            let floor = floors[(x * STEPS as f32) as usize];
+            let next = least.get(usize::from(floor) + 1);
+            floor + u8::from(next.is_some_and(|&next| x >= next))
         })
     })
 }
@@ -109,21 +129,21 @@ fn coded<T: Sync>(values: &[T], color: impl Fn(&T) -> [u8; 3] + Sync) -> Vec<u8>
 mod tests {
     use super::*;
 
-    /// The table against the formula, over ten stops and past both ends.
+    /// The table against the formula, over ten stops and past both ends, and about every border.
     #[test]
-    fn at_most_one_level_off() {
+    fn bytes_are_those_of_the_formula() {
         let exposure = Exposure { ev: 0.7 };
         let mut levels: Vec<f32> = (0..100_000).map(|i| 1e-3 * 1.0001f32.powi(i)).collect();
         levels.extend([0.0, -1.0, f32::NAN, f32::INFINITY, 1e30]);
+        for x in LEAST.iter() {
+            let about = (-3i32..=3).map(|k| x.to_bits().saturating_add_signed(k));
+            levels.extend(about.map(|bits| f32::from_bits(bits) / exposure.ev.exp2()));
+        }
         let pixels: Vec<Vec3> = levels.iter().map(|&x| Vec3::splat(x)).collect();
         let bytes = exposed(&pixels, exposure);
         for (rgba, &pixel) in bytes.chunks(4).zip(&pixels) {
-            let exact = srgb8(pixel, exposure);
-            let near = |k: usize| rgba[k].abs_diff(exact[k]) <= 1;
-            assert!(
-                (0..3).all(near) && rgba[3] == 255,
-                "{pixel}: {rgba:?} {exact:?}"
-            );
+            let [r, g, b] = srgb8(pixel, exposure);
+            assert_eq!(rgba, [r, g, b, 255], "{pixel}");
         }
     }
 

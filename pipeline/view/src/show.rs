@@ -20,6 +20,7 @@ pub enum ShownModel<'a> {
 }
 
 /// A baked scene to look at.
+#[derive(Clone)]
 pub struct Show<'a> {
     /// The scene as baked, without its own lights, and the boxes that it was baked for.
     pub surroundings: Surroundings<'a>,
@@ -33,6 +34,8 @@ pub struct Show<'a> {
     pub trusted: &'a Trusted<'a>,
     /// The view that a page starts with.
     pub view: View,
+    /// Whether that view was typed: it is not the scene's own.
+    pub view_is_typed: bool,
     /// The lights that it starts with, beside the scene's own.
     pub lights: Vec<PointLight>,
     /// The suns that it starts with.
@@ -41,6 +44,8 @@ pub struct Show<'a> {
     pub own: OwnLights<'a>,
     /// The run folder, as the equivalent command names it.
     pub run: String,
+    /// Whether to give up what is being made.
+    pub halt: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Show<'a> {
@@ -76,6 +81,7 @@ impl<'a> Show<'a> {
             "up": view.up.to_array(),
             "forward": view.forward.to_array(),
             "fov": view.fov,
+            "view_is_typed": self.view_is_typed,
             "size": [view.width, view.height],
             "lights": self.lights.iter().map(light).collect::<Vec<_>>(),
             "suns": sun_rows(&self.suns),
@@ -95,7 +101,9 @@ impl<'a> Show<'a> {
     /// Warnings about a view and its lights.
     pub fn warnings(&self, ask: &Ask, lights: &Lights) -> Vec<String> {
         let positions = lights.points.iter().map(|light| light.position);
-        let warnings = self.surroundings.warnings(ask.view().eye, positions);
+        let warnings = self
+            .surroundings
+            .warnings(ask.view(&self.view).eye, positions);
         let mut told: Vec<String> = warnings.into_iter().map(|w| w.message).collect();
         if !(self.own.known || lights.sources.is_empty()) {
             let mut names: Vec<&str> = lights.sources.iter().map(|l| l.name.as_str()).collect();

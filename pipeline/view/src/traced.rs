@@ -2,14 +2,14 @@
 
 use crate::ask::Ask;
 use crate::frames::{exposure, options};
-use crate::own::DimmedLamps;
+use crate::lamps::{DimmedLamps, MovedLamps};
 use crate::pixels;
 use crate::show::Show;
 use crate::socket::{Ended, Socket};
 use glam::Vec3;
 use rayon::ThreadPool;
 use rrf_metrics::{MetricsError, Picture, compare_noisy};
-use rrf_render::{Frame, Lights, Part, PathOptions, RenderError, RenderOptions, trace_frame};
+use rrf_render::{Frame, Lights, Part, PathOptions, RenderOptions, trace_frame};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -33,6 +33,7 @@ enum Question {
 struct Work {
     ask: Ask,
     lights: Lights,
+    moved: MovedLamps,
     nets: Frame,
     /// Sums of every fourth pass: four independent pictures.
     sums: [Vec<Vec3>; 4],
@@ -56,8 +57,7 @@ pub fn serve(show: &Show, pool: &ThreadPool, socket: &mut Socket) -> Result<(), 
         };
         let told = begun.and_then(|()| {
             let work = work.as_mut().ok_or("nothing was begun")?;
-            let traced = pool.install(|| work.pass(show));
-            traced.map_err(|e| e.to_string())?;
+            pool.install(|| work.pass(show))?;
             work.tell().map_err(|e| e.to_string())
         });
         match told {
@@ -74,22 +74,25 @@ pub fn serve(show: &Show, pool: &ThreadPool, socket: &mut Socket) -> Result<(), 
 
 /// The view's picture by the nets; no pass yet.
 fn begin(show: &Show, ask: &str) -> Result<Work, String> {
-    let ask = Ask::parse(ask)?;
-    let mut nets = Frame::default();
-    let ([dark, lit], lights) = (show.renderers(), show.own.lights(&ask)?);
-    let renderer = if lights.area { lit } else { dark };
-    let mut lamps = DimmedLamps::default();
-    let options = RenderOptions {
-        area_lights: lamps.under(&show.own, &lights),
-        ..options(show, &ask)
-    };
-    renderer
-        .render(&ask.view(), &lights, &options, &mut nets)
-        .map_err(|e| e.to_string())?;
+    let ask = Ask::parse(ask, &show.view)?;
+    let (mut nets, mut moved) = (Frame::default(), MovedLamps::default());
+    let lights = show.own.lights(&ask)?;
+    let rendered = moved.show(show, &ask, |show| {
+        let [dark, lit] = show.renderers();
+        let renderer = if lights.area { lit } else { dark };
+        let mut lamps = DimmedLamps::default();
+        let options = RenderOptions {
+            area_lights: lamps.under(&show.own, &lights),
+            ..options(show, &ask)
+        };
+        renderer.render(&ask.view(&show.view), &lights, &options, &mut nets)
+    });
+    rendered?.map_err(|e| e.to_string())?;
     Ok(Work {
         sums: [0; 4].map(|_| vec![Vec3::ZERO; nets.full.len()]),
         ask,
         lights,
+        moved,
         nets,
         passes: 0,
         seconds: 0.0,
@@ -97,15 +100,18 @@ fn begin(show: &Show, ask: &str) -> Result<Work, String> {
 }
 
 impl Work {
-    fn pass(&mut self, show: &Show) -> Result<(), RenderError> {
+    fn pass(&mut self, show: &Show) -> Result<(), String> {
         let start = Instant::now();
-        let (view, lights) = (self.ask.view(), &self.lights);
+        let (view, lights) = (self.ask.view(&show.view), &self.lights);
         let paths = PathOptions {
             spp: PASS,
             aa: 1,
             seed: SEED + u64::from(self.passes),
         };
-        let frame = trace_frame(show.tracer(lights.area), &view, lights, paths, &|_| {})?;
+        let traced = self.moved.show(show, &self.ask, |show| {
+            trace_frame(show.tracer(lights.area), &view, lights, paths, &|_| {})
+        });
+        let frame = traced?.map_err(|e| e.to_string())?;
         let part = match options(show, &self.ask).part {
             Part::Full => Some(&frame.full),
             Part::Direct => frame.direct.as_ref(),

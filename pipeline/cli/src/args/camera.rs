@@ -203,10 +203,13 @@ impl CameraArgs {
             return Err(BadInput(told.into()));
         }
         let is_point = |light: &&OwnLight| matches!(light.source, LightSource::Point(_));
+        // as with --own-lights none, lamps that are all dimmed to nothing are not there
+        let lamps = scene.area_lights.as_slice();
+        let dark = !lamps.is_empty() && lamps.iter().all(|lamp| lamp.radiance == Vec3::ZERO);
         let others = scene.lights.iter().filter(|light| own && !is_point(light));
         Ok(Lights {
             points: scene.points().filter(|_| own).chain(self.typed()).collect(),
-            area: own,
+            area: own && !dark,
             dims: Vec::new(),
             sources: others.cloned().chain(self.suns()).collect(),
         })

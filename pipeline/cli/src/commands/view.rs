@@ -79,6 +79,7 @@ pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
         borders: baked.nets().map(|nets| &nets.borders),
         trusted: &|rows| baked.trusted(rows),
         view: start,
+        view_is_typed: args.camera.eye.is_some(),
         lights,
         suns: args.camera.typed_suns().collect(),
         own: OwnLights {
@@ -88,6 +89,7 @@ pub fn run(args: &ViewPageArgs) -> anyhow::Result<()> {
             known,
         },
         run: args.run.display().to_string(),
+        halt: &halt,
     };
     ignore_broken_pipes();
     let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).context("signals")?;
