@@ -19,6 +19,9 @@ pub const HEIGHT: u32 = 32;
 /// point on an edge of two walls sees past both of them.
 pub const OFF_CENTRE: [f32; 2] = [1.0 / 256.0, 1.0 / 384.0];
 
+/// Points that stand for a view, across its longer side.
+const SOME: u32 = 48;
+
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
@@ -84,6 +87,25 @@ impl VisiblePoints {
         seen.shoot(tracer, view, tile, aa);
         seen.read_hits(tracer, false);
         seen
+    }
+
+    /// Some of the points that a view shows, spread evenly, and unit directions to their viewers.
+    pub fn some_of(tracer: &Tracer, view: &View) -> (Vec<SurfacePoint>, Vec<Vec3>) {
+        let longer = view.width.max(view.height).max(1);
+        let scale = f64::from(longer.min(SOME)) / f64::from(longer);
+        let side = |pixels: u32| ((f64::from(pixels) * scale) as u32).max(1);
+        let small = View {
+            width: side(view.width),
+            height: side(view.height),
+            ..view.clone()
+        };
+        let rows = (0..small.height).map(|y| VisiblePoints::of_row(tracer, &small, y, 1));
+        let (mut points, mut viewers) = (Vec::new(), Vec::new());
+        for row in rows {
+            points.extend(row.points);
+            viewers.extend(row.viewers);
+        }
+        (points, viewers)
     }
 
     /// Shoots `aa` x `aa` rays a pixel, one through each of its sub-squares.

@@ -37,6 +37,7 @@ pub use error::TraceError;
 pub use estimates::{Estimates, Sampling};
 pub use indirect::{Estimator, Queries, broad_indirect, indirect, indirect_with};
 pub use light_set::LightSet;
+pub use openings::Openings;
 pub use own_light::{Illumination, Reflections, lamp_light, own_light, sun_light};
 pub use rays::{Hits, Rays};
 pub use surface::SurfacePoint;

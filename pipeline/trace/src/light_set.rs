@@ -1,7 +1,7 @@
 //! Lights that shine together, and the choice among them.
 
 use crate::lamps::{emission, emitting_triangles};
-use crate::openings::{Openings, aim, aim_density, is_sky};
+use crate::openings::{Openings, aim_density, is_sky};
 use glam::Vec3;
 use rrf_lights::{Arrival, EmittingTriangles, LightSource};
 use rrf_sampling::warp::{by_weight, by_weight_probability};
@@ -158,14 +158,7 @@ impl LightGroup {
             None => source.sample(at, [u[1], u[2]])?,
             Some(openings) => {
                 let (_, within) = self.choose_within(u[0]);
-                let toward = aim(source, Some(openings), at, [within, u[1], u[2]])?;
-                let density = aim_density(source, Some(openings), at, toward);
-                Arrival {
-                    toward,
-                    distance: f32::INFINITY,
-                    irradiance: source.radiance(toward) / density,
-                    density: Some(density),
-                }
+                openings.arrival(source, at, [within, u[1], u[2]])?
             }
         };
         Some(Arrival {

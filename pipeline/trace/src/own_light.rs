@@ -4,7 +4,7 @@ use crate::TraceError;
 use crate::estimates::{Estimates, Sampling};
 use crate::indirect::{Estimator, Queries};
 use crate::light_set::LightSet;
-use crate::openings::{Openings, Walks};
+use crate::openings::{Openings, Walks, is_sky};
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
 use crate::wave::{KEEP, Part, Row, Source};
@@ -36,6 +36,12 @@ pub struct Illumination<'a> {
 
 /// Walks that look for the openings of a view.
 const VIEW_WALKS: u32 = 4096;
+/// As many for a frame that a model answers, which is made many times a second.
+const FRAME_WALKS: u32 = 1024;
+
+/// Direction to a light from afar by three numbers in [0, 1), and how much a direction matters.
+type Direction<'a> = dyn Fn([f32; 3]) -> Option<Vec3> + 'a;
+type Weight<'a> = dyn Fn(Vec3) -> f32 + 'a;
 
 impl Tracer<'_> {
     /// Lights that shine together: the scene's area lights times `dims`, one colour for each of
@@ -77,22 +83,55 @@ impl Tracer<'_> {
         if !lights.has_sky() {
             return;
         }
-        let from: Vec<(SurfacePoint, Vec3)> = points
-            .iter()
-            .copied()
-            .zip(viewers.iter().copied())
-            .collect();
-        let walks = Walks {
-            from: &from,
-            count: VIEW_WALKS,
-            stream,
-            index: 0,
-        };
         let centre = 0.5 * (self.bounds[0] + self.bounds[1]);
         let afar = |u| Some(lights.far.sample(centre, u, None)?.toward);
         let weight = |toward| lights.radiance_from_afar(toward).element_sum();
+        let seen = (points, viewers);
+        lights.openings = self.learn_openings(seen, VIEW_WALKS, (&afar, &weight), stream);
+    }
+
+    /// Where skies are seen from some points, by unit directions to their viewers, and from what
+    /// these see, for shadow rays to aim at; none if no sky is among `sources`, or nothing of it is
+    /// seen. Draws at index 0 of `stream`.
+    pub fn openings_of(
+        &self,
+        sources: &[&LightSource],
+        (points, viewers): (&[SurfacePoint], &[Vec3]),
+        stream: Stream,
+    ) -> Option<Openings> {
+        let skies = sources.iter().filter(|source| is_sky(source));
+        let skies: Vec<&LightSource> = skies.copied().collect();
+        let last = skies.len().checked_sub(1)?;
+        let centre = 0.5 * (self.bounds[0] + self.bounds[1]);
+        let afar = |[u, x, y]: [f32; 3]| {
+            let chosen = (u * skies.len() as f32) as usize;
+            Some(skies[chosen.min(last)].sample(centre, [x, y])?.toward)
+        };
+        let weight = |toward| {
+            let skies = skies.iter().map(|sky| sky.radiance(toward));
+            skies.sum::<Vec3>().element_sum()
+        };
+        let seen = (points, viewers);
+        self.learn_openings(seen, FRAME_WALKS, (&afar, &weight), stream)
+    }
+
+    fn learn_openings(
+        &self,
+        (points, viewers): (&[SurfacePoint], &[Vec3]),
+        count: u32,
+        (afar, weight): (&Direction, &Weight),
+        stream: Stream,
+    ) -> Option<Openings> {
+        let from = points.iter().copied().zip(viewers.iter().copied());
+        let from: Vec<(SurfacePoint, Vec3)> = from.collect();
+        let walks = Walks {
+            from: &from,
+            count,
+            stream,
+            index: 0,
+        };
         let stack = &mut self.wide.stack();
-        lights.openings = Openings::learn(self, walks, &afar, &weight, stack);
+        Openings::learn(self, walks, afar, weight, stack)
     }
 
     /// Radiance [W/(sr m²)] that the surface emits at a point toward `v` when `lights` shine.

@@ -1,24 +1,29 @@
-//! Lights to be sampled, in groups, and which of them blocks of pixels have found to be hidden.
+//! Lights to be sampled, in groups.
 
 use super::emitter::Emitter;
 use super::light_tree::LightTree;
 use crate::tile::VisiblePoints;
 use glam::Vec3;
-use rrf_lights::LightSource;
+use rrf_lights::{Arrival, LightSource};
 use rrf_materials::Bsdf;
 use rrf_metrics::color::luminance;
+use rrf_sampling::{Stage, Stream};
+use rrf_trace::{Openings, SurfacePoint, Tracer};
 
-/// Side of a block in pixels.
-const BLOCK: u32 = 8;
-/// The least that a group counts which a block has not seen: light that is missed so far is still
-/// found, and no ray weighs more than ten times what it would without learning.
-const LEAST_SEEN: f32 = 0.1;
 /// Roughness from which on a lobe counts as even.
 const BROAD: f32 = 0.7;
 /// Base level of surfaces, for lobes beside it.
 const LEAST_BASE: f32 = 0.05;
 /// Shadow rays that a row is taken to have.
 const USUAL_RAYS: f32 = 16.0;
+
+/// The least share of a sky that is taken to arrive, however few of the pilot's rays did.
+const LEAST_ARRIVING: f32 = 0.01;
+
+/// Whether light comes from all around.
+fn is_sky(light: &LightSource) -> bool {
+    matches!(light, LightSource::Environment(_))
+}
 
 /// Lights to be sampled: those with a place, and those from afar.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +33,8 @@ pub(crate) struct SampledLights<'f> {
     pub(crate) far: Vec<&'f LightSource>,
     /// Irradiance of each light from afar, by luminance.
     far_level: Vec<f32>,
+    /// Where skies are seen, if that was looked for.
+    openings: Option<Openings>,
 }
 
 impl<'f> SampledLights<'f> {
@@ -43,7 +50,53 @@ impl<'f> SampledLights<'f> {
             emitters,
             far_level: far.iter().map(level).collect(),
             far,
+            openings: None,
         }
+    }
+
+    /// Aims at the openings that skies are seen through from some points by unit directions to their
+    /// viewers, and from what these see.
+    pub(crate) fn aim_at_openings(
+        &mut self,
+        tracer: &Tracer,
+        seen: (&[SurfacePoint], &[Vec3]),
+        seed: u64,
+    ) {
+        // the last of the stages' cells, which count surfaces
+        let stream = Stream::new(seed, Stage::Direct, u32::MAX);
+        self.openings = tracer.openings_of(&self.far, seen, stream);
+        // Or a hidden sky would take nearly all rays from lamps. Where it is seen it is seen far better
+        // than on average: the root lies between the two.
+        let Some(openings) = &self.openings else {
+            return;
+        };
+        let arriving = openings.arriving().max(LEAST_ARRIVING).sqrt();
+        for (level, light) in self.far_level.iter_mut().zip(&self.far) {
+            if is_sky(light) {
+                *level *= arriving;
+            }
+        }
+    }
+
+    /// Light that arrives from one of those from afar, by three numbers in [0, 1).
+    fn arrival(&self, far: usize, at: Vec3, [u, x, y]: [f32; 3]) -> Option<Arrival> {
+        let light = self.far.get(far)?;
+        match self.openings(light) {
+            Some(openings) => openings.arrival(light, at, [u, x, y]),
+            None => light.sample(at, [x, y]),
+        }
+    }
+
+    /// Density of [`SampledLights::arrival`] with respect to solid angle [1/sr].
+    fn density(&self, light: &LightSource, at: Vec3, toward: Vec3) -> f32 {
+        match self.openings(light) {
+            Some(openings) => openings.density(light, at, toward),
+            None => light.density(at, toward),
+        }
+    }
+
+    fn openings(&self, light: &LightSource) -> Option<&Openings> {
+        self.openings.as_ref().filter(|_| is_sky(light))
     }
 
     /// How much light could arrive at a point whose surface faces `side`: what the choice among
@@ -64,7 +117,7 @@ impl<'f> SampledLights<'f> {
     pub(crate) fn far_beside_shadow_rays(&self, at: Vec3, toward: Vec3, rival: f32) -> Vec3 {
         let lights = self.far.iter().zip(&self.far_level);
         let weighted = lights.map(|(light, level)| {
-            let density = level * light.density(at, toward).max(f32::MIN_POSITIVE);
+            let density = level * self.density(light, at, toward).max(f32::MIN_POSITIVE);
             light.radiance(toward) / (1.0 + rival * density)
         });
         weighted.sum()
@@ -135,18 +188,18 @@ pub(crate) struct End {
 }
 
 impl SampledLights<'_> {
-    /// A point of a light, counted over all of them.
+    /// A point of a light, counted over all of them, by three numbers in [0, 1).
     pub(crate) fn end_of(
         &self,
         seen: &VisiblePoints,
         row: usize,
         light: u32,
-        u: [f32; 2],
+        [aim, u0, u1]: [f32; 3],
     ) -> Option<End> {
-        let x = seen.points[row].position;
+        let (x, u) = (seen.points[row].position, [u0, u1]);
         let Some(emitter) = self.emitters.get(light as usize) else {
             let far = (light as usize).checked_sub(self.emitters.len())?;
-            let arrival = self.far.get(far)?.sample(x, u)?;
+            let arrival = self.arrival(far, x, [aim, u0, u1])?;
             return Some(End {
                 toward: arrival.toward,
                 place: None,
@@ -169,91 +222,17 @@ impl SampledLights<'_> {
         seen: &VisiblePoints,
         row: usize,
         (group, left): (u32, f32),
-        u: [f32; 2],
+        [u0, u1]: [f32; 2],
     ) -> Option<(End, f32)> {
         let Some(far) = (group as usize).checked_sub(self.tree.groups()) else {
             let (point, side) = (&seen.points[row], seen.side(row));
             let (light, share) = self
                 .tree
                 .choose(group as usize, point.position, side, left)?;
-            return Some((self.end_of(seen, row, light, u)?, share));
+            return Some((self.end_of(seen, row, light, [0.0, u0, u1])?, share));
         };
-        let end = self.end_of(seen, row, (self.emitters.len() + far) as u32, u)?;
+        let light = (self.emitters.len() + far) as u32;
+        let end = self.end_of(seen, row, light, [left, u0, u1])?;
         Some((end, 1.0))
-    }
-}
-
-/// Which groups the rays of a block have found to be hidden.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct BlockVisibility {
-    groups: usize,
-    /// Block of each row.
-    block: Vec<u32>,
-    /// Rays of each block to each group, and those of them that nothing blocked.
-    looked: Vec<u32>,
-    lit: Vec<u32>,
-    /// Rows of each block, and the sum of their variances.
-    rows: Vec<u32>,
-    variance: Vec<f64>,
-}
-
-impl BlockVisibility {
-    /// Forgets everything; sorts the rows into blocks.
-    pub(crate) fn begin(&mut self, seen: &VisiblePoints, groups: usize, width: u32) {
-        let across = width.div_ceil(BLOCK);
-        let blocks = seen.pixel.iter().map(|&pixel| {
-            let (x, y) = (pixel % width, pixel / width);
-            y / BLOCK * across + x / BLOCK
-        });
-        self.block.clear();
-        self.block.extend(blocks);
-        // numbered from 0 within the tile
-        let mut names: Vec<u32> = self.block.clone();
-        names.sort_unstable();
-        names.dedup();
-        for block in &mut self.block {
-            *block = names.partition_point(|name| name < block) as u32;
-        }
-        self.groups = groups;
-        for counts in [&mut self.looked, &mut self.lit] {
-            counts.clear();
-            counts.resize(names.len() * groups, 0);
-        }
-        self.rows.clear();
-        self.rows.resize(names.len(), 0);
-        self.variance.clear();
-        self.variance.resize(names.len(), 0.0);
-    }
-
-    fn block(&self, row: usize) -> usize {
-        self.block[row] as usize
-    }
-
-    /// Learns from a ray to a group.
-    pub(crate) fn note(&mut self, row: usize, group: usize, is_lit: bool) {
-        let place = self.block(row) * self.groups + group;
-        self.looked[place] += 1;
-        self.lit[place] += u32::from(is_lit);
-    }
-
-    /// Learns the variance of a row's rays.
-    pub(crate) fn note_variance(&mut self, row: usize, variance: f32) {
-        let block = self.block(row);
-        self.rows[block] += 1;
-        self.variance[block] += f64::from(variance);
-    }
-
-    /// Share of a group that the block of a row sees, at least [`LEAST_SEEN`]; 1 where it has not
-    /// looked.
-    pub(crate) fn share(&self, row: usize, group: usize) -> f32 {
-        let place = self.block(row) * self.groups + group;
-        let (looked, lit) = (self.looked[place], self.lit[place]);
-        ((lit + 1) as f32 / (looked + 1) as f32).max(LEAST_SEEN)
-    }
-
-    /// Mean variance of the rays of a row's block.
-    pub(crate) fn variance(&self, row: usize) -> f32 {
-        let block = self.block(row);
-        (self.variance[block] / f64::from(self.rows[block].max(1))) as f32
     }
 }

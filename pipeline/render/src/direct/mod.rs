@@ -3,12 +3,14 @@
 pub(crate) mod emitter;
 mod groups;
 mod light_tree;
+mod plan;
 mod points;
 mod rows;
 mod sampled;
+mod visibility;
 
 pub(crate) use groups::SampledLights;
+pub use plan::ShadowRays;
 pub(crate) use points::PointLighting;
 pub(crate) use rows::Rows;
 pub(crate) use sampled::SampledLighting;
-pub use sampled::ShadowRays;

@@ -11,55 +11,15 @@
 //! weights that are fixed before either. (A mean of all rays, whose number depends on the first
 //! ones, would not be.)
 
-use super::groups::{BlockVisibility, End, SampledLights};
+use super::groups::{End, SampledLights};
+use super::plan::{Rounds, SECOND, ShadowRays};
 use super::rows::Rows;
+use super::visibility::BlockVisibility;
 use crate::timings::{FrameStage, Stopwatch};
 use glam::Vec3;
 use rrf_metrics::color::luminance;
 use rrf_sampling::{Stage, Stream};
 use rrf_trace::{Rays, Tracer};
-
-/// Rays of the first round at the most.
-const FIRST: u32 = 8;
-/// Rays of the second round at the least where a bound decides.
-const SECOND: u32 = 8;
-/// Rays of a pixel at the most where a bound decides.
-const MOST: u32 = 512;
-
-/// Number and choice of shadow rays.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShadowRays {
-    /// Shadow rays of each camera ray; with `noise` the most.
-    pub count: u32,
-    /// Standard error of a pixel's luminance [W/(sr m²)] that its rays go on to, if their number is
-    /// not fixed.
-    pub noise: Option<f32>,
-    /// Whether lights are chosen by what could reach a point and what its neighbours found;
-    /// otherwise uniformly.
-    pub adaptive: bool,
-}
-
-impl Default for ShadowRays {
-    fn default() -> ShadowRays {
-        ShadowRays {
-            count: 16,
-            noise: None,
-            adaptive: true,
-        }
-    }
-}
-
-impl ShadowRays {
-    /// As many as a bound on the noise needs, up to `MOST`; the usual number without one.
-    pub fn down_to(noise: Option<f32>) -> ShadowRays {
-        let usual = ShadowRays::default();
-        ShadowRays {
-            count: noise.map_or(usual.count, |_| MOST),
-            noise,
-            ..usual
-        }
-    }
-}
 
 /// Working columns, made once a thread.
 #[derive(Clone, Debug, Default)]
@@ -72,9 +32,8 @@ pub struct SampledLighting {
     learned: BlockVisibility,
     /// How much of each group could reach each row, row by row.
     reach: Vec<f32>,
-    /// Sums of the round's values and of the squares of their luminances, row by row.
+    /// Sums of the round's values, row by row.
     sums: Vec<Vec3>,
-    squares: Vec<f32>,
     /// Rays of each row in the round at hand.
     counts: Vec<u32>,
     /// Cumulative probabilities of one row's groups.
@@ -87,6 +46,8 @@ struct ShadowRay {
     row: u32,
     group: u32,
     value: Vec3,
+    /// How much of all groups could reach the row.
+    reach: f32,
 }
 
 /// The picture's part that is shaded: number of its first pixel, width of the picture.
@@ -146,7 +107,7 @@ impl SampledLighting {
             .extend((0..count).map(|row| rows.worth(row, rounds.first)));
         self.round(&aim, 0, watch);
         self.add(rounds.first_weight);
-        self.plan_second(plan, rounds, rows);
+        self.plan_second(plan, rounds, rows, lights.groups());
         self.round(&aim, 1, watch);
         self.add(1.0 - rounds.first_weight);
     }
@@ -157,8 +118,6 @@ impl SampledLighting {
         let rows = seen.points.len();
         self.sums.clear();
         self.sums.resize(rows, Vec3::ZERO);
-        self.squares.clear();
-        self.squares.resize(rows, 0.0);
         self.rays.clear();
         self.arriving.clear();
         let mut before = (u32::MAX, 0);
@@ -172,13 +131,18 @@ impl SampledLighting {
         watch.end(FrameStage::ShadowRays);
         for (arriving, &blocked) in self.arriving.iter().zip(&self.blocked) {
             let row = arriving.row as usize;
+            let y = if blocked {
+                0.0
+            } else {
+                luminance(arriving.value)
+            };
             if !blocked {
-                let y = luminance(arriving.value);
                 self.sums[row] += arriving.value;
-                self.squares[row] += y * y;
             }
-            if aim.plan.adaptive {
-                self.learned.note(row, arriving.group as usize, !blocked);
+            if aim.plan.adaptive && number == 0 {
+                // its chance is its group's reach over all groups'
+                let brought = y / arriving.reach;
+                self.learned.note(row, arriving.group as usize, brought);
             }
         }
         watch.end(FrameStage::Direct);
@@ -203,7 +167,7 @@ impl SampledLighting {
             let chosen = if aim.plan.adaptive {
                 self.group_at(target, total)
             } else {
-                Some((target as u32, 1.0 / total, 0.0))
+                Some((target as u32, 1.0 / total, target.fract()))
             };
             let Some((group, probability, left)) = chosen else {
                 continue;
@@ -211,18 +175,24 @@ impl SampledLighting {
             let end = match aim.plan.adaptive {
                 true => lights.end_in_group(seen, row, (group, left), [x, y]),
                 false => lights
-                    .end_of(seen, row, group, [x, y])
+                    .end_of(seen, row, group, [left, x, y])
                     .map(|end| (end, 1.0)),
             };
             let Some((end, share)) = end else {
                 continue;
             };
-            self.send(aim, row, group, end, probability * share);
+            self.send(aim, (row, group, total), end, probability * share);
         }
     }
 
     /// Queues the shadow ray to a light, if it could add something.
-    fn send(&mut self, aim: &Aim, row: usize, group: u32, end: End, probability: f32) {
+    fn send(
+        &mut self,
+        aim: &Aim,
+        (row, group, reach): (usize, u32, f32),
+        end: End,
+        probability: f32,
+    ) {
         let seen = aim.rows.seen;
         let (point, v) = (&seen.points[row], seen.viewers[row]);
         if point.normal.dot(end.toward) * point.normal.dot(v) <= 0.0 {
@@ -238,6 +208,7 @@ impl SampledLighting {
             row: row as u32,
             group,
             value,
+            reach,
         });
         let origin = aim.tracer.lift(point.triangle, point.position, v);
         match end.place {
@@ -289,23 +260,52 @@ impl SampledLighting {
         }
     }
 
+    /// Variances of single rays of the second round, by those of the first that arrived. Tells blocks what
+    /// those of their rows would have that have found nothing themselves.
+    fn expected_variances(&mut self, rows: Rows, groups: usize) -> Vec<f32> {
+        let mut arriving = self.arriving.iter().zip(&self.blocked).peekable();
+        let mut variances = Vec::with_capacity(self.counts.len());
+        for (row, &count) in self.counts.iter().enumerate() {
+            let reach = &self.reach[row * groups..(row + 1) * groups];
+            let learned = &self.learned;
+            let sum = |share: &dyn Fn(usize) -> f32| -> f32 {
+                let groups = reach.iter().enumerate();
+                groups.map(|(group, reach)| reach * share(group)).sum()
+            };
+            let first = sum(&|_| 1.0);
+            let own = sum(&|group| learned.share(row, group));
+            let block = sum(&|group| learned.block_share(row, group));
+            let [mut own_squares, mut block_squares] = [0.0; 2];
+            while let Some((ray, &blocked)) = arriving.next_if(|(ray, _)| ray.row as usize == row) {
+                if !blocked {
+                    // probabilities of the group in the first round over those in the second
+                    let group = ray.group as usize;
+                    let y = luminance(ray.value);
+                    own_squares += y * y * own / (first * learned.share(row, group));
+                    block_squares += y * y * block / (first * learned.block_share(row, group));
+                }
+            }
+            let count = count.max(1) as f32;
+            let mean = luminance(self.sums[row]) / count;
+            let throughput = rows.throughput(row);
+            let variance = |squares: f32| {
+                let own = (squares - count * mean * mean) / (count - 1.0).max(1.0);
+                own.max(0.0) * throughput * throughput
+            };
+            variances.push(variance(own_squares));
+            self.learned.note_variance(row, variance(block_squares));
+        }
+        variances
+    }
+
     /// Rays of each row in the second round, from the variance of the first.
-    fn plan_second(&mut self, plan: ShadowRays, rounds: Rounds, rows: Rows) {
+    fn plan_second(&mut self, plan: ShadowRays, rounds: Rounds, rows: Rows, groups: usize) {
         let Some(noise) = plan.noise else {
             let counts = self.counts.iter_mut().enumerate();
             counts.for_each(|(row, count)| *count = rows.worth(row, rounds.second));
             return;
         };
-        let variance = |row: usize| {
-            let count = self.counts[row] as f32;
-            let mean = luminance(self.sums[row]) / count;
-            let own = (self.squares[row] - count * mean * mean) / (count - 1.0).max(1.0);
-            own.max(0.0) * rows.throughput(row) * rows.throughput(row)
-        };
-        let variances: Vec<f32> = (0..self.counts.len()).map(variance).collect();
-        for (row, &variance) in variances.iter().enumerate() {
-            self.learned.note_variance(row, variance);
-        }
+        let variances = self.expected_variances(rows, groups);
         let allowances = rows.allowances();
         for (row, &own) in variances.iter().enumerate() {
             // a pixel's rays may have missed what its neighbours found
@@ -315,55 +315,6 @@ impl SampledLighting {
             let most = plan.count.saturating_sub(rounds.first).max(1);
             let least = rows.worth(row, SECOND.min(most));
             self.counts[row] = (wanted as u32).clamp(least, most);
-        }
-    }
-}
-
-/// Rays of two rounds, and the weight of the first.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Rounds {
-    first: u32,
-    second: u32,
-    first_weight: f32,
-}
-
-impl Rounds {
-    /// `None`: one round of all the rays, which learns nothing.
-    fn of(plan: ShadowRays) -> Option<Rounds> {
-        if !plan.adaptive {
-            return None;
-        }
-        let first = (plan.count * 3 / 8).clamp(1, FIRST);
-        let second = plan.count.saturating_sub(first);
-        // rays of the second round are taken to be worth two of the first
-        let weight = 0.5 * first as f32 / (0.5 * first as f32 + second as f32);
-        Some(Rounds {
-            first,
-            second,
-            first_weight: match plan.noise {
-                // its few rays would be the noisiest part of a long mean
-                Some(_) if second > 0 => 0.0,
-                _ => weight,
-            },
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rounds_have_all_the_rays() {
-        for count in 1..40 {
-            let plan = ShadowRays {
-                count,
-                ..ShadowRays::default()
-            };
-            let rounds = Rounds::of(plan).unwrap();
-            assert_eq!(rounds.first + rounds.second, count);
-            assert!(rounds.first > 0);
-            assert_eq!(rounds.second == 0, rounds.first_weight == 1.0);
         }
     }
 }

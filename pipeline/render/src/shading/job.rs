@@ -98,6 +98,13 @@ impl Job<'_> {
         Ok(())
     }
 
+    /// Whether shadow rays choose where to look, and there may be a sky to find.
+    pub(super) fn asks_sky(&self) -> bool {
+        let asks = self.options.part.has_direct() || self.goes_on();
+        let adaptive = self.options.shadow_rays.is_none_or(|rays| rays.adaptive);
+        asks && adaptive && !self.sampled.far.is_empty()
+    }
+
     /// Whether rays may go on from what the camera sees.
     fn goes_on(&self) -> bool {
         let Following { narrow, lamps, .. } = self.following;

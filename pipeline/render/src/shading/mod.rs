@@ -19,7 +19,7 @@ use crate::follow::{Following, RAYS};
 use crate::frame::Frame;
 use crate::options::{Part, RenderOptions};
 use crate::origin;
-use crate::tile::Tile;
+use crate::tile::{Tile, VisiblePoints};
 use crate::timings::{FrameStage, FrameTimings, Stopwatch};
 use crate::view::{Lights, View};
 use indirect::{Baked, Lit};
@@ -102,7 +102,12 @@ impl<'a> Renderer<'a> {
     ) -> Result<FrameTimings, RenderError> {
         view.check()?;
         lights.check()?;
-        let (job, coefficients) = self.job(lights, options)?;
+        let (mut job, coefficients) = self.job(lights, options)?;
+        if job.asks_sky() {
+            let (points, viewers) = VisiblePoints::some_of(self.tracer, view);
+            let seen = (points.as_slice(), viewers.as_slice());
+            (job.sampled).aim_at_openings(self.tracer, seen, options.seed);
+        }
         let mut layers = Layers::take_from(frame, view);
         let bands = layers.bands(view.width).enumerate();
         let timings = bands

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod support;
+mod window;
 
 use glam::Vec3;
 use rrf_lights::{DistantLight, Environment, Falloff, LightSource, OwnLight, SpotLight};
@@ -215,19 +216,7 @@ fn own(name: &str, source: LightSource) -> OwnLight {
 #[test]
 fn many_lamps_down_to_a_bound() {
     let (scene, lights) = many_lamps();
-    let tracer = Tracer::new(&scene).unwrap();
-    let traced = |seed| {
-        let options = PathOptions {
-            spp: 64,
-            aa: 1,
-            seed,
-        };
-        let frame = trace_frame(&tracer, &view(), &lights, options, &|_| {}).unwrap();
-        let direct = frame.direct.unwrap();
-        direct.iter().map(|p| f64::from(p.x)).collect()
-    };
-    let traced: Vec<Vec<f64>> = (1..=SEEDS).map(traced).collect();
-    let truth = moments(&traced);
+    let truth = traced(&scene, &lights);
     for bound in [0.02f32, 0.006] {
         let rays = ShadowRays {
             count: 2048,

@@ -6,7 +6,9 @@ use rrf_field::columns;
 use rrf_field::model::{CellModel, Kind};
 use rrf_field::net::Shape;
 use rrf_field::tree::Tree;
-use rrf_render::{AreaLights, Lights, Part, RenderOptions, ShadowRays, View, render};
+use rrf_render::{
+    AreaLights, Lights, Part, PathOptions, RenderOptions, ShadowRays, View, render, trace_frame,
+};
 use rrf_scene::{AreaLight, INVALID, Material, Scene};
 use rrf_trace::Tracer;
 
@@ -119,6 +121,22 @@ pub fn frames_by(scene: &Scene, lights: &Lights, rays: ShadowRays) -> Vec<Vec<f6
         frame.full.iter().map(|p| f64::from(p.x)).collect()
     };
     (1..=SEEDS).map(frame).collect()
+}
+
+/// Moments of path-traced direct frames, 64 paths a pixel each.
+pub fn traced(scene: &Scene, lights: &Lights) -> Vec<(f64, f64)> {
+    let tracer = Tracer::new(scene).unwrap();
+    let frame = |seed| {
+        let options = PathOptions {
+            spp: 64,
+            aa: 1,
+            seed,
+        };
+        let frame = trace_frame(&tracer, &view(), lights, options, &|_| {}).unwrap();
+        let direct = frame.direct.unwrap();
+        direct.iter().map(|p| f64::from(p.x)).collect()
+    };
+    moments(&(1..=SEEDS).map(frame).collect::<Vec<_>>())
 }
 
 /// Per-pixel means and squared standard errors of independent frames.

@@ -2,7 +2,7 @@
 
 use super::Openings;
 use glam::Vec3;
-use rrf_lights::LightSource;
+use rrf_lights::{Arrival, LightSource};
 
 /// Whether light comes from all around, so that openings guide to it.
 pub(crate) fn is_sky(source: &LightSource) -> bool {
@@ -40,5 +40,25 @@ pub(crate) fn aim_density(
             (1.0 - share) * own + share * openings.angle_density(at, toward)
         }
         None => own,
+    }
+}
+
+impl Openings {
+    /// Light that arrives at `at` from a sky, by three numbers in [0, 1): a share of the directions
+    /// goes through openings, the others are the sky's own.
+    pub fn arrival(&self, sky: &LightSource, at: Vec3, u: [f32; 3]) -> Option<Arrival> {
+        let toward = aim(sky, Some(self), at, u)?;
+        let density = aim_density(sky, Some(self), at, toward);
+        Some(Arrival {
+            toward,
+            distance: f32::INFINITY,
+            irradiance: sky.radiance(toward) / density,
+            density: Some(density),
+        })
+    }
+
+    /// Density of [`Openings::arrival`] with respect to solid angle [1/sr].
+    pub fn density(&self, sky: &LightSource, at: Vec3, toward: Vec3) -> f32 {
+        aim_density(sky, Some(self), at, toward)
     }
 }

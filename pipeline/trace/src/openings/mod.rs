@@ -17,9 +17,9 @@ use rrf_sampling::warp::{by_weight, by_weight_probability};
 const SIDE: usize = 12;
 const FACE: usize = SIDE * SIDE;
 
-/// The box and how much each of its cells is aimed at.
+/// Where light from afar comes in: cells of a box, and how much each of them is aimed at.
 #[derive(Clone, Debug)]
-pub(crate) struct Openings {
+pub struct Openings {
     low: Vec3,
     size: Vec3,
     /// Cumulative weights of the cells of each face: faces are low and high of x, y, z.
@@ -38,6 +38,11 @@ impl Openings {
     /// sampler draws arrives.
     pub(crate) fn share(&self) -> f32 {
         self.share
+    }
+
+    /// Share of a sky's light that arrives where it was looked for, by its own directions.
+    pub fn arriving(&self) -> f32 {
+        1.0 - self.share / MOST as f32
     }
 
     /// A point of the box that the weights choose.
