@@ -41,8 +41,8 @@ mod tracing;
 mod walk;
 
 pub use bake::{
-    CellChoice, PointDraw, TransferConfig, TransferProgress, TransferStage, TransferWatch,
-    bake_transfer,
+    CellChoice, PointDraw, TRUST_ERROR, TransferConfig, TransferProgress, TransferStage,
+    TransferWatch, bake_transfer,
 };
 pub use book::{LightBook, LitTransfer, MOST_RESIDUAL};
 pub use bright::{BrightPatches, BrightPlace};

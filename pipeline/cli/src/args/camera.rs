@@ -114,7 +114,7 @@ pub enum Part {
 pub struct TrustArgs {
     /// Cells whose relative error on rows held out is above this, by more than two standard errors, are not trusted; cells of
     /// a transfer by the error that they state. 0.1 with --fallback trace leaves to the nets what they know within 10 %.
-    #[arg(long, value_name = "ERROR", default_value_t = 0.5, value_parser = positive)]
+    #[arg(long, value_name = "ERROR", default_value_t = rrf_transfer::TRUST_ERROR, value_parser = positive)]
     pub trust_error: f32,
 }
 

@@ -4,6 +4,10 @@ use crate::patches::PatchConfig;
 use crate::regression::{LocalConfig, NetConfig};
 use crate::row_config::RowConfig;
 
+/// Error that a trusted cell may state: by the rows of a furnished room, rays in place of cells that state less are
+/// noisier than those are wrong.
+pub const TRUST_ERROR: f32 = 0.5;
+
 /// Which fits cells may have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CellChoice {
@@ -119,7 +123,7 @@ impl Default for TransferConfig {
             nodes: 96,
             choice: CellChoice::Best,
             patience: 1.25,
-            trust: 0.2,
+            trust: TRUST_ERROR,
         }
     }
 }

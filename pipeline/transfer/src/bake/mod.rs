@@ -22,7 +22,7 @@ mod smooth;
 mod tree;
 mod watch;
 
-pub use config::{CellChoice, TransferConfig};
+pub use config::{CellChoice, TRUST_ERROR, TransferConfig};
 pub use draw::PointDraw;
 pub use model::bake_transfer;
 pub use progress::TransferProgress;
