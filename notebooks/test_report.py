@@ -72,8 +72,8 @@ def test_a_killed_sweep_goes_on(sweep):
     path = sweep / "results.parquet"
     assert rt.contract.differences(rt.contract.load("results"), pq.read_schema(path)) == []
     runs = pl.read_parquet(path)
-    assert runs.height == 4 and sorted(runs["method"].to_list()) == ["cells"] * 2 + ["path tracing"] * 2
-    assert runs.filter(pl.col("method") == "cells").select(pl.col("model_bytes", "bake_seconds") > 0).min().row(0) == (True, True)
+    assert runs.height == 4 and sorted(runs["method"].to_list()) == ["nets"] * 2 + ["path tracing"] * 2
+    assert runs.filter(pl.col("method") == "nets").select(pl.col("model_bytes", "bake_seconds") > 0).min().row(0) == (True, True)
     assert sorted(runs["rows"].drop_nulls().to_list()) == pytest.approx([2000, 4000], rel=0.1)  # a thousand a cell at least
 
 

@@ -148,10 +148,80 @@ def test_batches_bake_transfers(run, tmp_path):
     assert summary["runs"][0]["relative_error"] == line["relative_error"]
 
 
+def read(run, name):
+    with pa.ipc.open_file(run / f"model/{name}.arrow") as file:
+        return file.read_all()
+
+
+def test_inspect_sums_up_what_the_tables_hold(run):
+    sections = json.loads(rrf("inspect", run, "--json").stdout)["sections"]
+    titles = {title.split(":")[0] for title in sections} - {"bytes"}
+    assert titles == set(TABLES)
+    [test] = sections["transfer: error on test rows"]
+    whole = read(run, "transfer").to_pylist()[0]
+    assert test == {name: whole[name] for name in test} and test["test_rows"] > 0
+    cells = read(run, "transfer_cells")
+    [told] = sections["transfer_cells: whole"]
+    error, judged = (cells[name].to_numpy().astype(float) for name in ("error", "judged"))
+    known = ~np.isnan(error)
+    assert (told["cells"], told["rows"]) == (len(cells), sum(cells["rows"].to_pylist()))
+    assert told["held_out_error"] == pytest.approx((error[known] ** 2 @ judged[known] / judged[known].sum()) ** 0.5, rel=1e-9)
+    worst = [row["error"] for row in sections["transfer_cells: worst cells"]]
+    assert worst == sorted(worst, reverse=True) and worst[0] == error[known].max()
+    parts = read(run, "transfer_parts").to_pylist()
+    fits = {(row["part"], row["kind"]): row["cells"] for row in sections["transfer_parts: fits"]}
+    assert sum(fits.values()) == len(parts) and set(fits) == {(row["part"], row["kind"]) for row in parts}
+    query = "SELECT COUNT(*) AS n FROM transfer_parts AS p JOIN transfer_cells AS c ON p.cell_id = c.cell_id"
+    assert json.loads(rrf("inspect", run, "--sql", query, "--json").stdout) == [{"n": len(parts)}]
+    assert max(map(len, rrf("inspect", run).stdout.splitlines())) < 200
+
+
+def test_parquet_copies_hold_the_tables(run, tmp_path):
+    named = rrf("export", run, "--parquet", tmp_path / "copies").stdout.split()
+    assert sorted(pathlib.Path(name).stem for name in named) == sorted(TABLES)
+    for name in TABLES:
+        assert pq.read_table(tmp_path / f"copies/{name}.parquet").equals(read(run, name))
+
+
+def test_the_page_of_a_run_tells_its_errors(run, tmp_path):
+    rrf("report", run, "-o", tmp_path / "run.html", "--size", "32x32", "--spp", "16")
+    text = (tmp_path / "run.html").read_text()
+    whole = read(run, "transfer").to_pylist()[0]
+    assert f"{100 * whole['relative_error']:.2f} ± {100 * whole['relative_error_se']:.2f} %" in text
+    assert text.count("data:image/png;base64,") == 5 and "transfer, " in text and "Error by cell" in text
+    assert text.count("<tr><td class=\"n\">") >= len(read(run, "transfer_cells"))
+
+
+def test_verify_says_what_the_run_is(run):
+    assert ", a transfer: whole" in rrf("verify", run).stdout
+
+
+def test_a_sweep_measures_transfers_beside_nets(tmp_path):
+    """The row of a transfer tells of its own tables."""
+    grid = ["seeds = [1]", "light_box = [-0.6, 1.3, -0.6, 0.6, 1.8, 0.6]", "[frame]", 'light = "0.1,1.6,0.2,4,4,4"', 'size = "16x16"',
+            "reference_spp = 32", "[[bake]]", 'preset = ["preview"]', "rows = [1000]", "paths = [32]", 'method = ["transfer", "nets"]']
+    (tmp_path / "grid.toml").write_text("\n".join(grid))
+    rrf("sweep", SCENE, "-o", tmp_path / "sweep", "--grid", tmp_path / "grid.toml", "--quiet")
+    rows = {row["method"]: row for row in pq.read_table(tmp_path / "sweep/results.parquet").to_pylist()}
+    assert set(rows) == {"transfer", "nets"}
+    [folder] = (tmp_path / "sweep/runs").glob("method=transfer*")
+    cells = read(folder, "transfer_cells")
+    row = rows["transfer"]
+    assert (row["cells"], row["rows"], row["weights"]) == (len(cells), sum(cells["rows"].to_pylist()), None)
+    assert row["model_bytes"] == sum(len(table) for table in tables(folder).values())
+    assert all(row["held_out_error"] > 0 and row["frame_error"] > 0 for row in rows.values())
+
+
 def test_other_commands_say_what_they_need(run, tmp_path):
-    for words in (["train", run], ["plan", run], ["export", run, "--onnx", tmp_path / "a.onnx"]):
+    for words in (["train", run], ["plan", run], ["commit", run], ["export", run, "--onnx", tmp_path / "a.onnx"]):
         refused = rrf(*words, check=False)
-        assert refused.returncode == 2 and "transfer" in refused.stderr
+        assert refused.returncode == 2 and "transfer" in refused.stderr and "--method nets" in refused.stderr, refused.stderr
+    for words in (["extract", SCENE, "-o", tmp_path / "a"], ["plan", SCENE, "-o", tmp_path / "a"]):
+        refused = rrf(*words, "--method", "transfer", check=False)
+        assert refused.returncode == 2 and "--method nets" in refused.stderr, refused.stderr
+        assert not (tmp_path / "a").exists()
+    refused = rrf("chart", run, "-o", tmp_path / "charts", check=False)
+    assert refused.returncode == 2 and "no rounds" in refused.stderr
     for option in (["--cells", "3"], ["--inputs", "px"], ["--no-trim"]):
         refused = rrf("bake", SCENE, "-o", tmp_path / "b", "--method", "transfer", *option, check=False)
         assert refused.returncode == 2 and option[0] in refused.stderr

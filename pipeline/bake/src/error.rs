@@ -53,7 +53,7 @@ pub enum BakeError {
     #[error(transparent)]
     Transfer(TransferError),
     /// The run was baked by another method than is needed.
-    #[error("{path}: is a run of {found}; this works on a run of {needed}. Choose the method by `rrf bake --method`", path = path.display())]
+    #[error("{path}: is a run of `--method {found}`; this works on runs of `--method {needed}`", path = path.display())]
     Method {
         /// The folder.
         path: PathBuf,

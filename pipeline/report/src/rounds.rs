@@ -4,7 +4,7 @@ use crate::ReportError;
 use crate::chart::{Axis, Chart, Line, Panel, Point, Series};
 use crate::html::{or_dash, percent_se, table};
 use maud::{Markup, html};
-use rrf_bake::{EvaluatedRound, Run, Timings};
+use rrf_bake::{EvaluatedRound, Run, RunMethod, Timings};
 use std::path::{Path, PathBuf};
 
 /// Cost of a run's rounds so far; none where it is not known.
@@ -145,6 +145,11 @@ pub(crate) fn rounds_table(rounds: &[Round]) -> Markup {
 pub(crate) fn write_rounds(folder: &Path, runs: &[PathBuf]) -> Result<Vec<PathBuf>, ReportError> {
     let (mut all, mut targets) = (Vec::new(), Vec::new());
     for path in runs {
+        if RunMethod::of(path)? == RunMethod::Transfer {
+            let told = "is a run of a transfer, which has no rounds to draw. `rrf report` shows its errors, and \
+                        `rrf sweep` and then `rrf chart` draw its error against time";
+            return Err(ReportError::input(path, told));
+        }
         let run = Run::open(path)?;
         let rounds = read_rounds(&run)?;
         if rounds.is_empty() {

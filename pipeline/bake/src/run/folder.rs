@@ -101,7 +101,7 @@ impl Run {
         if RunMethod::told(&manifest) == RunMethod::Transfer {
             return Err(BakeError::Method {
                 path: folder.into(),
-                found: "a transfer",
+                found: "transfer",
                 needed: "nets",
             });
         }

@@ -2,10 +2,11 @@
 
 use clap::ValueEnum;
 
-/// Method that cells are fitted by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+/// Method that a scene is baked by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Method {
     /// Nets with exponential outputs.
+    #[default]
     Nets,
     /// A direct-to-indirect transfer: one bake for lights of every kind, anywhere in free space.
     Transfer,
@@ -21,4 +22,12 @@ pub enum Method {
     Probes,
     /// One net for the whole scene.
     GlobalNet,
+}
+
+impl Method {
+    /// Its name on the command line.
+    pub fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().to_string())
+    }
 }

@@ -40,7 +40,7 @@ pub struct Settings {
     #[arg(long, value_enum, default_value_t = Preset::Standard)]
     pub preset: Preset,
     /// Method that cells are fitted by: nets, or a baseline to compare them with.
-    #[arg(long, value_enum, default_value_t = Method::Nets)]
+    #[arg(long, value_enum, default_value_t = Method::default())]
     pub method: Method,
     /// Units of the nets' hidden layers, from the inputs on, instead of 20,10 (global-net: 32,16).
     #[arg(long, value_name = "A[,B]")]

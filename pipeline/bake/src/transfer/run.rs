@@ -2,7 +2,7 @@
 
 use super::config::TransferBakeConfig;
 use super::read;
-use super::summary::TransferFacts;
+use super::summary::{TransferFacts, TransferSummary};
 use crate::error::BakeError;
 use crate::run::json::corrupt;
 use crate::run::manifest::{asked_manifest, expect_same, expect_scene};
@@ -97,7 +97,7 @@ impl TransferRun {
             return Err(BakeError::Method {
                 path: folder.into(),
                 found: "nets",
-                needed: "a transfer",
+                needed: "transfer",
             });
         }
         let config = serde_json::from_value(manifest.config.clone())
@@ -135,6 +135,15 @@ impl TransferRun {
         let facts = read::facts(&tables.whole);
         let broad = !self.config.narrow.is_learned();
         Ok((read::model(&self.folder, unlit, tables, broad)?, facts))
+    }
+
+    /// Reads the model and sums it up.
+    ///
+    /// # Errors
+    /// As [`TransferRun::model`].
+    pub fn summary(&self, unlit: &Scene) -> Result<TransferSummary, BakeError> {
+        let (model, facts) = self.model(unlit)?;
+        Ok(TransferSummary::new(&model, facts, self.config.target))
     }
 }
 

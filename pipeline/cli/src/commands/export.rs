@@ -61,22 +61,33 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
     }
     let told = match method {
         Some(RunMethod::Nets) => return nets(args, &Run::open(folder)?),
-        Some(RunMethod::Transfer) => format!(
-            "{input}: is a transfer, whose nets need a light before they are a function of a point: \
-             there is no export of it yet. Its tables in model/ are plain Arrow files; schemas/ \
-             describes them"
-        ),
+        Some(RunMethod::Transfer) => return transfer(args, &TransferRun::open(folder)?),
         None => format!("{input}: is a scene, which has no nets; name a run folder"),
     };
     Err(BadInput(told).into())
 }
 
-/// Copies of the model's tables.
-fn parquet(run: &Run, folder: &Path) -> anyhow::Result<()> {
-    for file in model::write_parquet_copies(&run.folder, folder, &run.facts())? {
-        println!("{}", file.display());
+fn transfer(args: &ExportArgs, run: &TransferRun) -> anyhow::Result<()> {
+    if args.safetensors.is_some() || args.onnx.is_some() {
+        let told = format!(
+            "{}: is a run of a transfer, whose cells need a light before they are functions of a point. \
+             --safetensors and --onnx are for runs of nets: bake with `--method nets`. --parquet copies the \
+             tables of both",
+            args.input.display()
+        );
+        return Err(BadInput(told).into());
+    }
+    if let Some(folder) = &args.parquet {
+        let written = model::write_transfer_copies(&run.folder, folder, &run.facts())?;
+        print_paths(&written);
     }
     Ok(())
+}
+
+fn print_paths(paths: &[PathBuf]) {
+    for path in paths {
+        println!("{}", path.display());
+    }
 }
 
 fn mitsuba(args: &ExportArgs, scene: &Scene, folder: &Path) -> anyhow::Result<()> {
@@ -124,7 +135,11 @@ fn nets(args: &ExportArgs, run: &Run) -> anyhow::Result<()> {
         ("seed", manifest.seed.to_string()),
     ];
     if let Some(folder) = &args.parquet {
-        parquet(run, folder)?;
+        print_paths(&model::write_parquet_copies(
+            &run.folder,
+            folder,
+            &run.facts(),
+        )?);
     }
     let (tree, cells) = (&model.tree.tree, &model.cells);
     if let Some(file) = &args.safetensors {

@@ -3,7 +3,7 @@
 use crate::failure::BadInput;
 use crate::run_location::RunLocation;
 use clap::Args;
-use rrf_bake::Verification;
+use rrf_bake::{RunMethod, Verification};
 use std::path::PathBuf;
 
 /// Check every file of a run: hashes, schemas, counts, and whether they belong together.
@@ -23,7 +23,9 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<()> {
     if args.json {
         println!("{}", serde_json::to_string_pretty(&found)?);
     } else {
-        print(args, &found);
+        // a damaged run.json is one of the damages
+        let method = RunMethod::of(location.folder()).ok();
+        print(args, &found, method);
     }
     match found.damages.len() {
         0 => Ok(()),
@@ -36,7 +38,7 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<()> {
     }
 }
 
-fn print(args: &VerifyArgs, found: &Verification) {
+fn print(args: &VerifyArgs, found: &Verification, method: Option<RunMethod>) {
     for damage in &found.damages {
         println!(
             "{}: {}. {}",
@@ -57,11 +59,14 @@ fn print(args: &VerifyArgs, found: &Verification) {
         open => format!(", {open} tasks of the last round are not done"),
     };
     println!(
-        "{}: {} files, {:.1} MB, {} rounds{state}: {}",
+        "{}: {} files, {:.1} MB, {}{state}: {}",
         args.run.display(),
         found.files,
         found.bytes as f64 / 1e6,
-        found.rounds,
+        match method {
+            Some(RunMethod::Transfer) => "a transfer".into(),
+            _ => format!("{} rounds", found.rounds),
+        },
         if found.damages.is_empty() {
             "whole"
         } else {

@@ -19,7 +19,7 @@ struct Question {
     query: &'static str,
 }
 
-const QUESTIONS: [Question; 7] = [
+const QUESTIONS: [Question; 11] = [
     Question {
         column: "y0_r",
         title: "cells",
@@ -63,6 +63,31 @@ const QUESTIONS: [Question; 7] = [
                 MEDIAN(seam_jump_median) AS jump_median, \
                 SQRT(SUM(seam_change * seam_change * seam_rows) / NULLIF(SUM(seam_rows), 0)) AS change, \
                 MEDIAN(seam_change_median) AS change_median FROM self",
+    },
+    Question {
+        column: "trusted_share",
+        title: "error on test rows",
+        query: "SELECT relative_error, relative_error_se, median_error, percentile_95, worst_share, \
+                trusted_share, trusted_error, test_rows, lights FROM self",
+    },
+    Question {
+        column: "judged",
+        title: "whole",
+        query: "SELECT COUNT(*) AS cells, SUM(rows) AS rows, SUM(judged) AS held_out_rows, \
+                SQRT(SUM(CAST(error AS DOUBLE) * error * judged) / \
+                SUM(CASE WHEN error IS NULL THEN 0 ELSE judged END)) AS held_out_error, \
+                AVG(rank) AS coefficients, MAX(rank) AS most_coefficients FROM self",
+    },
+    Question {
+        column: "judged",
+        title: "worst cells",
+        query: "SELECT cell_id, error, rows, judged, rank FROM self WHERE error IS NOT NULL \
+                ORDER BY error DESC LIMIT 8",
+    },
+    Question {
+        column: "turns",
+        title: "fits",
+        query: "SELECT part, kind, COUNT(*) AS cells FROM self GROUP BY part, kind ORDER BY part, kind",
     },
     Question {
         column: "frame_error",

@@ -14,7 +14,8 @@ use tables::{Result, answer};
 pub struct InspectArgs {
     /// A run or sweep folder, or a Parquet or Arrow file.
     path: PathBuf,
-    /// A query over the tables samples, tree, weights, metrics, results; a single file is `self`.
+    /// A query over the tables samples, tree, weights and metrics, of a transfer transfer, transfer_tree, transfer_cells
+    /// and transfer_parts, of a sweep results; a single file is `self`.
     #[arg(long, value_name = "QUERY")]
     sql: Option<String>,
     /// Machine-readable output.

@@ -8,6 +8,17 @@ use polars::prelude::{
 use rrf_store::layout;
 use std::path::Path;
 
+/// Tables of a model: of nets, and of a transfer.
+const MODEL_TABLES: [&str; 7] = [
+    "tree",
+    "weights",
+    "metrics",
+    "transfer",
+    "transfer_tree",
+    "transfer_cells",
+    "transfer_parts",
+];
+
 /// A run's, a sweep's or a file's tables.
 pub(super) fn open(path: &Path) -> Result<Tables> {
     if path.is_file() {
@@ -27,7 +38,7 @@ pub(super) fn open(path: &Path) -> Result<Tables> {
     }
     // a run, or its folder `model` itself
     for folder in [layout::model_folder(path), path.to_path_buf()] {
-        for name in ["tree", "weights", "metrics"] {
+        for name in MODEL_TABLES {
             let table = folder.join(format!("{name}.arrow"));
             if table.is_file() {
                 tables.push((name, file(&table)?));

@@ -6,10 +6,11 @@ use crate::{Program, ReportError};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
-use rrf_bake::Run;
 use rrf_metrics::{FrameMetric, Pair, Picture, compare};
 use rrf_render::png::Shown;
 use rrf_render::{exr, png};
+use rrf_scene::{LightUnits, LoadOptions, SkySource};
+use rrf_store::manifest::RunManifest;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -31,23 +32,37 @@ pub(super) struct FrameOptions {
     /// Picture size in pixels.
     #[arg(long, value_name = "WxH", default_value = "320x320")]
     size: String,
-    /// A point light (again for more); by default one of 1 W/sr in the middle of the light box.
+    /// A point light (again for more); by default the scene's own lights in runs of transfers, and where there
+    /// are none, and for nets, one of 1 W/sr in the middle of the light box.
     #[arg(long, value_name = "x,y,z[,r,g,b]", allow_hyphen_values = true)]
     light: Vec<String>,
+}
+
+/// A run whose frame is shown.
+pub(super) struct Pictured<'a> {
+    /// Its folder.
+    pub(super) run: &'a Path,
+    /// `run.json`.
+    pub(super) manifest: &'a RunManifest,
+    /// How its scene was read.
+    pub(super) read_by: LoadOptions,
+    /// Whether the scene has lights of its own that the model knows.
+    pub(super) shows_own_lights: bool,
+    /// The model in a word.
+    pub(super) model: &'a str,
 }
 
 /// The model's frame, the path-traced one, and how far apart they are.
 pub(super) fn frames(
     args: &FrameOptions,
     program: &Program,
-    folder: &Path,
-    run: &Run,
+    pictured: &Pictured,
 ) -> Result<Markup, ReportError> {
     let scratch = tempfile::tempdir().map_err(|e| ReportError::Draw(e.to_string()))?;
     let [model, traced] = ["model.exr", "traced.exr"].map(|name| scratch.path().join(name));
     let mut lights = args.light.clone();
-    if lights.is_empty() {
-        let [x0, y0, z0, x1, y1, z1] = run.manifest.light_box;
+    if lights.is_empty() && !pictured.shows_own_lights {
+        let [x0, y0, z0, x1, y1, z1] = pictured.manifest.light_box;
         let middle = [x0 + x1, y0 + y1, z0 + z1].map(|x| (0.5 * x).to_string());
         lights.push(middle.join(","));
     }
@@ -59,8 +74,10 @@ pub(super) fn frames(
             .options("--light", &lights)
             .run()
     };
-    let seconds = view(program.call("render", folder).option("-o", &model))?.seconds;
-    let trace = program.call("trace", &run.manifest.scene);
+    let render = program.call("render", pictured.run);
+    let seconds = view(render.option("-o", &model))?.seconds;
+    let trace = program.call("trace", &pictured.manifest.scene);
+    let trace = read_by(trace, &pictured.read_by);
     let trace = trace.option("--spp", args.spp.to_string());
     let traced_seconds = view(trace.option("-o", &traced))?.seconds;
     let (frame, reference) = (exr::read_exr_frame(&model)?, exr::read_exr(&traced)?);
@@ -80,13 +97,34 @@ pub(super) fn frames(
     let rows: Vec<Vec<String>> = rows.collect();
     Ok(html! {
         h2 { "Frames" }
-        (figure(&png::tone_mapped(&test, exposure), &format!("nets, {seconds:.2} s"))?)
+        (figure(&png::tone_mapped(&test, exposure), &format!("{}, {seconds:.2} s", pictured.model))?)
         (figure(&png::tone_mapped(&reference, exposure), &traced_caption)?)
         (figure(&heat(&flip, &reference, 1.0), "FLIP, black 0 to white 1")?)
         (figure(&heat(&delta, &reference, 20.0), "ΔE2000, black 0 to white 20")?)
-        (figure(&png::cell_map(&frame), "cells of the nets that lit it")?)
+        (figure(&png::cell_map(&frame), "cells that lit it")?)
         (table(&["measure", "value", "definition"], &rows))
     })
+}
+
+/// A command that reads a scene file as the run did.
+fn read_by<'c>(call: Call<'c>, options: &LoadOptions) -> Call<'c> {
+    let units = match options.light_units {
+        LightUnits::Spec => "spec",
+        LightUnits::Compat => "compat",
+        LightUnits::Raw => "raw",
+    };
+    let call = call
+        .option("--default-albedo", options.default_albedo.to_string())
+        .option("--light-units", units);
+    let Some(sky) = &options.sky else {
+        return call;
+    };
+    let source = match &sky.source {
+        SkySource::Constant(radiance) => radiance.map(|x| x.to_string()).join(",").into(),
+        SkySource::Picture(path) => path.as_os_str().to_owned(),
+    };
+    call.option("--sky", source)
+        .option("--sky-rotate", sky.rotate.to_string())
 }
 
 /// The values of a frame metric, pixel by pixel.

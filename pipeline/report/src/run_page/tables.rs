@@ -5,17 +5,26 @@ use maud::{Markup, html};
 use rrf_bake::Run;
 use rrf_metrics::relative::FORMULA;
 use rrf_scene::Scene;
+use rrf_store::manifest::RunManifest;
 use rrf_store::model::{CellMetrics, Seams, Spread};
 use serde_json::Value;
 
 /// Cells that stand open on the page.
 const SHOWN: usize = 20;
 
-/// The run's origin and every setting.
-pub(super) fn settings(run: &Run, metrics: &[CellMetrics]) -> Markup {
-    let manifest = &run.manifest;
+/// How much the nets are, by name.
+pub(super) fn counts(metrics: &[CellMetrics]) -> [(&'static str, String); 3] {
     let weights: u32 = metrics.iter().map(|cell| cell.weights).sum();
     let rows: u64 = metrics.iter().map(|cell| cell.rows).sum();
+    [
+        ("cells", metrics.len().to_string()),
+        ("rows", rows.to_string()),
+        ("weights", weights.to_string()),
+    ]
+}
+
+/// The run's origin, how much its model is, and every setting.
+pub(super) fn settings(manifest: &RunManifest, counts: &[(&str, String)]) -> Markup {
     let facts = [
         ("scene", manifest.scene.display().to_string()),
         ("scene's hash (blake3)", manifest.scene_hash.clone()),
@@ -26,11 +35,11 @@ pub(super) fn settings(run: &Run, metrics: &[CellMetrics]) -> Markup {
             "light box [m]",
             manifest.light_box.map(|x| x.to_string()).join(", "),
         ),
-        ("cells", metrics.len().to_string()),
-        ("rows", rows.to_string()),
-        ("weights", weights.to_string()),
     ];
-    let facts = facts.map(|(name, value)| vec![name.to_string(), value]);
+    let facts = facts.iter().chain(counts);
+    let facts: Vec<_> = facts
+        .map(|(name, value)| vec![name.to_string(), value.clone()])
+        .collect();
     let mut settings = Vec::new();
     flatten(&manifest.config, String::new(), &mut settings);
     html! {

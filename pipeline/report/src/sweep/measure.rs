@@ -4,13 +4,12 @@ use super::results::SweepRow;
 use crate::ReportError;
 use arrow::array::AsArray;
 use arrow::datatypes::Float32Type;
-use rrf_bake::Run;
 use rrf_metrics::estimate::{ErrorEstimate, SquareError, by_halves, less_variance};
 use rrf_metrics::relative::{channel_mean, epsilon_of, inverse_level, root_mean};
 use rrf_metrics::{Picture, compare};
 use rrf_render::exr;
 use rrf_store::Limits;
-use rrf_store::{layout, model, points};
+use rrf_store::points;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -97,43 +96,6 @@ pub(super) fn points_error(answers: &Path, table: &Path) -> Result<(f64, f64), R
     let m = columns(table, ["r", "g", "b"])?;
     let se = columns(table, ["r_se", "g_se", "b_se"])?;
     Ok(points_relative_error(&p, &m, &se))
-}
-
-/// Columns that a run folder tells of its model.
-pub(super) fn model_row(folder: &Path) -> Result<SweepRow, ReportError> {
-    let run = Run::open(folder)?;
-    let metrics = model::read_metrics(folder, &run.facts())?;
-    let (mut count, mut square, mut variance) = (0.0, 0.0, 0.0);
-    for cell in &metrics {
-        if let Some(error) = cell.validation {
-            let n = cell.validation_rows as f64;
-            count += n;
-            square += n * error.mean;
-            variance += (n * error.se).powi(2);
-        }
-    }
-    let whole = (count > 0.0).then(|| {
-        let (mean, se) = (square / count, variance.sqrt() / count);
-        SquareError { mean, se }.relative()
-    });
-    let size = |name: &str| {
-        let path: PathBuf = layout::model_folder(folder).join(name);
-        let meta = std::fs::metadata(&path).map_err(|e| ReportError::file(&path, "be read", e));
-        meta.map(|meta| meta.len())
-    };
-    let config = &run.manifest.config;
-    Ok(SweepRow {
-        preset: config["preset"].as_str().map(str::to_string),
-        rows: Some(metrics.iter().map(|cell| cell.rows).sum()),
-        paths: config["extract"]["paths"].as_u64(),
-        cells: Some(metrics.len() as u64),
-        weights: Some(metrics.iter().map(|cell| u64::from(cell.weights)).sum()),
-        target: config["target"].as_f64(),
-        model_bytes: Some(size("tree.arrow")? + size("weights.arrow")?),
-        held_out_error: whole.map(|whole| whole.0),
-        held_out_error_se: whole.map(|whole| whole.1),
-        ..SweepRow::default()
-    })
 }
 
 /// Three columns of a points table.

@@ -7,15 +7,17 @@
 mod frontier;
 mod grid;
 mod measure;
+mod model;
 mod results;
 
 pub use frontier::{frontier_panels, write_frontier};
 pub use grid::{Grid, GridFrame, GridTrace, Setting};
-pub use results::{CELLS, PATH_TRACING, SweepRow, read_results, write_results};
+pub use results::{PATH_TRACING, SweepRow, read_results, write_results};
 
 use crate::ReportError;
 use crate::program::{Call, Finished, Program};
-use measure::{FrameErrors, Reference, model_row, points_error};
+use measure::{FrameErrors, Reference, points_error};
+use model::model_row;
 use rrf_store::atomic;
 use std::path::{Path, PathBuf};
 
@@ -160,7 +162,6 @@ impl Sweep<'_> {
             .map(|table| self.points_error(&run, table))
             .transpose()?;
         Ok(errors.with(SweepRow {
-            method: setting.0.get("method").map_or(CELLS, String::as_str).into(),
             setting: setting.name(),
             seed,
             bake_seconds: Some(bake.seconds),
@@ -169,7 +170,7 @@ impl Sweep<'_> {
             frame_cpu_seconds: frame.cpu_seconds,
             points_error: points.map(|(error, _)| error),
             points_error_se: points.map(|(_, se)| se),
-            ..model_row(&run)?
+            ..model_row(&run, setting)?
         }))
     }
 

@@ -8,8 +8,6 @@ use std::path::Path;
 
 /// Name of path tracing in the column `method`.
 pub const PATH_TRACING: &str = "path tracing";
-/// Name of one net a cell there.
-pub const CELLS: &str = "cells";
 
 table_row! {
     /// One run of a sweep; the columns of `schemas/results.toml`.
@@ -66,7 +64,7 @@ mod tests {
         let path = folder.path().join("results.parquet");
         let rows = vec![
             SweepRow {
-                method: CELLS.into(),
+                method: "nets".into(),
                 setting: "rows=1".into(),
                 seed: u64::MAX,
                 rows: Some(7),

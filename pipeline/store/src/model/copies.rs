@@ -1,6 +1,6 @@
 //! Copies of the model's tables in Parquet.
 
-use super::{REMEDY, path, read_metrics, read_model};
+use super::{REMEDY, TRANSFER_TABLES, path, read_metrics, read_model, read_transfer};
 use crate::atomic::atomic_write;
 use crate::error::StoreError;
 use crate::formats::{Limits, arrow_file, parquet_file};
@@ -20,8 +20,24 @@ pub fn write_parquet_copies(
 ) -> Result<Vec<PathBuf>, StoreError> {
     read_model(run, facts)?;
     read_metrics(run, facts)?;
-    let tables = [Table::Tree, Table::Weights, Table::Metrics];
-    let copy = |table: Table| {
+    copies(run, folder, &[Table::Tree, Table::Weights, Table::Metrics])
+}
+
+/// Writes the tables of a transfer as [`write_parquet_copies`] does those of nets.
+///
+/// # Errors
+/// Those of [`read_transfer`], [`StoreError::Columns`], [`StoreError::Io`].
+pub fn write_transfer_copies(
+    run: &Path,
+    folder: &Path,
+    facts: &RunFacts,
+) -> Result<Vec<PathBuf>, StoreError> {
+    read_transfer(run, facts)?;
+    copies(run, folder, &TRANSFER_TABLES)
+}
+
+fn copies(run: &Path, folder: &Path, tables: &[Table]) -> Result<Vec<PathBuf>, StoreError> {
+    let copy = |&table: &Table| {
         let batch = arrow_file::read(&path(run, table), Limits::default(), REMEDY)?;
         let bytes = parquet_file::encode(&batch).map_err(|e| StoreError::Columns {
             table: table.name(),
@@ -31,5 +47,5 @@ pub fn write_parquet_copies(
         atomic_write(&file, &bytes)?;
         Ok(file)
     };
-    tables.into_iter().map(copy).collect()
+    tables.iter().map(copy).collect()
 }

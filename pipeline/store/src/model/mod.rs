@@ -15,7 +15,7 @@ mod transfer;
 mod tree;
 mod weights;
 
-pub use copies::write_parquet_copies;
+pub use copies::{write_parquet_copies, write_transfer_copies};
 pub use fit::{Fit, fit_task, read_fit, write_fit};
 pub use metrics::{CellMetrics, Seams, Spread};
 pub use steps::{FitStep, read_steps, write_steps};
