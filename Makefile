@@ -37,7 +37,7 @@ demo: setup
 	cargo build --release --locked --no-default-features
 	@rm -rf $(OUT)
 	@mkdir -p $(OUT)
-	$(RRF) bake $(SALON) --sky $(SKY) --method transfer --preset preview -o $(OUT)/run
+	$(RRF) bake $(SALON) --sky $(SKY) --preset preview -o $(OUT)/run
 	$(RRF) render $(OUT)/run --size 480x320 -o $(OUT)/model.exr -o $(OUT)/model.png
 	$(RRF) trace $(SALON) --sky $(SKY) --size 480x320 --spp 64 -o $(OUT)/traced.exr -o $(OUT)/traced.png
 	$(RRF) compare $(OUT)/model.exr $(OUT)/traced.exr

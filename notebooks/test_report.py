@@ -23,6 +23,7 @@ light = "0.1,1.6,0.2,4,4,4"
 size = "32x32"
 reference_spp = 64
 [[bake]]
+method = ["nets"]
 preset = ["preview"]
 rows = [2000, 4000]
 cells = [2]
@@ -109,7 +110,7 @@ def test_rounds_of_runs(tmp_path):
     """The chart of a run of two rounds beside the demo's: a point a round, time and target."""
     run = tmp_path / "two rounds"
     box = "-0.6,1.3,-0.6,0.6,1.8,0.6"
-    sizes = ["--preset", "preview", "--rows", 4000, "--paths", 8, "--cells", 2, "--rounds", 2, "--target", 0.01]
+    sizes = ["--method", "nets", "--preset", "preview", "--rows", 4000, "--paths", 8, "--cells", 2, "--rounds", 2, "--target", 0.01]
     rt.rrf("bake", SCENE, "-o", run, "--light-box", box, *sizes)
     rt.rrf("chart", run, rt.demo() / "run", "-o", tmp_path / "charts")
     svg, page = ((tmp_path / f"charts/rounds.{kind}").read_text() for kind in ("svg", "html"))

@@ -126,7 +126,7 @@ def judge(name, args):
     seconds = float("nan")
     if not (baked / "model" / "weights.arrow").exists():
         start = time.time()
-        command = [args.rrf, "bake", scene, "-o", baked, f"--light-box={box}", "--target", target]
+        command = [args.rrf, "bake", scene, "-o", baked, "--method", "nets", f"--light-box={box}", "--target", target]
         print(run([*command, "--seed", 1, "--preset", "standard", "-q", *options]).strip())
         seconds = time.time() - start
     rounds = sorted((baked / "rounds").glob("*/judged.json"))

@@ -97,9 +97,9 @@ def white(path, scratch):
 
 
 def room(path, scratch, *settings):
-    """Relative error of a bake, per cent."""
+    """Relative error of a bake of nets, per cent."""
     run = scratch / f"{path.parent.name}-{path.stem}-{len(settings)}"
-    wrong, out, _ = said("bake", "--quiet", path, "-o", run, *settings)
+    wrong, out, _ = said("bake", "--quiet", path, "-o", run, "--method", "nets", *settings)
     if wrong:
         raise SystemExit(f"{path}: {wrong}")
     return float(re.search(r"relative error: ([\d.]+) %", out).group(1)), run

@@ -73,7 +73,7 @@ def bake(args, name, scene, box, options):
     """The run of a bake, and its error on test rows; a run that is there is read."""
     folder = args.work / name
     if not (folder / "model" / "weights.arrow").exists():
-        run([args.rrf, "bake", scene, "-o", folder, f"--light-box={box}", "-q", *options])
+        run([args.rrf, "bake", scene, "-o", folder, "--method", "nets", f"--light-box={box}", "-q", *options])
     return folder, test_error(folder)
 
 

@@ -34,7 +34,7 @@ def drawn(args, name):
     folder = args.work / f"{name}-fresh-{args.rows}-{args.paths}"
     if not folder.exists():
         eyes = [option for option in options if str(option).startswith("--eye-box")]
-        draw = ["--cells", 1, "--rows", args.rows, "--paths", args.paths, "--seed", SEED]
+        draw = ["--method", "nets", "--cells", 1, "--rows", args.rows, "--paths", args.paths, "--seed", SEED]
         run([args.rrf, "extract", HERE.parent / file, "-o", folder, f"--light-box={box}", "-q", *draw, *eyes])
     parts = sorted((folder / "samples").rglob("*.parquet"))
     return pa.concat_tables([pq.ParquetFile(part).read() for part in parts]), folder

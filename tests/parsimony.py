@@ -111,7 +111,7 @@ def bake(args, name, scene, box, target, options):
     """What `rounds_of` says of each round of splits, and of the finished model."""
     folder = args.work / name
     if not (folder / "model" / "weights.arrow").exists():
-        command = [args.rrf, "bake", HERE.parent / scene, "-o", folder, f"--light-box={box}", "-q"]
+        command = [args.rrf, "bake", HERE.parent / scene, "-o", folder, "--method", "nets", f"--light-box={box}", "-q"]
         command += ["--target", target, "--seed", 1, "--preset", "standard", *options]
         done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
         if done.returncode:

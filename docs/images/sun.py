@@ -3,7 +3,7 @@
 
     RRF=target/release/rrf .venv/bin/python docs/images/sun.py RUN docs/images/salon-sun.webp
 
-RUN is a run of the salon by `--method transfer`, as `make demo` leaves it. Frames are those of `rrf view`, which
+RUN is a run of the salon, as `make demo` leaves it. Frames are those of `rrf view`, which
 keeps the run open from one to the next; all have one exposure.
 """
 

@@ -2,7 +2,7 @@
 """Bakes a scene on a Ray cluster: every task of every round is a Ray task.
 
     pip install ray
-    python3 ray_bake.py scene.pbrt -o RUN [--address auto|HOST:6379] [-- settings of rrf bake]
+    python3 ray_bake.py scene.pbrt -o RUN [--address auto|HOST:6379] [-- --method nets and other settings of rrf bake]
 
 Plan, extract, train, commit, and again, until `rrf commit` says that the bake has ended. A task
 is a process, `rrf task`, with one CPU and the memory that the plan estimates; its exit code
@@ -104,7 +104,7 @@ def call(rrf, *arguments):
 
 def parse():
     parser = argparse.ArgumentParser(
-        description=__doc__.splitlines()[0], epilog="What follows -- are settings of rrf bake."
+        description=__doc__.splitlines()[0], epilog="What follows -- are settings of rrf bake; --method nets or a baseline, which have tasks."
     )
     parser.add_argument("scene")
     parser.add_argument("-o", "--output", required=True, metavar="RUN")

@@ -16,10 +16,12 @@ fn boxes_of_lights_and_eyes_without_use() {
     let (place, scene) = (Place::new(), cornell());
     let run = place.name("run");
     let call = ["bake", &scene, "-o", &run, "--light-box", "5,5,5,6,6,6"];
-    refused(
-        &call,
-        &["light box 5,5,5,6,6,6", "outside the scene", "bounds"],
-    );
+    for method in ["nets", "transfer"] {
+        refused(
+            &[&call[..], &["--method", method]].concat(),
+            &["light box 5,5,5,6,6,6", "outside the scene", "bounds"],
+        );
+    }
     for (eye_box, why) in [
         ("5,5,5,6,6,6", "outside the scene"),
         ("0.3,0.2,0.3,0.35,0.3,0.35", "inside a solid"),
@@ -41,18 +43,14 @@ fn settings_out_of_range() {
         ("--paths", "3"),
         ("--paths", "0"),
     ] {
-        let call = [
-            "bake",
-            &scene,
-            "-o",
-            &place.name("run"),
-            "--light-box",
-            OVERHEAD,
-        ];
-        refused(
-            &[&call[..], &[option, value]].concat(),
-            &[&option[2..], value],
-        );
+        let run = place.name("run");
+        let call = ["bake", &scene, "-o", &run, "--light-box", OVERHEAD];
+        for method in [&["--method", "nets"][..], &[]] {
+            refused(
+                &[&call[..], method, &[option, value]].concat(),
+                &[&option[2..], value],
+            );
+        }
         assert!(
             place.holds(&[]),
             "{option} {value}: a refused bake left something"
@@ -92,7 +90,8 @@ fn existing_run() {
         "--light-box",
         "0,1,0,1,1,1",
     ];
-    let rest = ["--rows", "2000", "--cells", "2", "--paths", "4"];
+    let rest = "--method nets --rows 2000 --cells 2 --paths 4";
+    let rest: Vec<&str> = rest.split(' ').collect();
     let words = ["another configuration", "extract.light_box"];
     refused(&[&moved[..], &rest].concat(), &words);
 

@@ -3,6 +3,7 @@
 use crate::program::{Place, bytes_below, cornell, done, refused, rrf, says};
 
 const SETTINGS: &str = r#"
+method = "nets"
 light_box = [-0.6, 1.3, -0.6, 0.6, 1.8, 0.6]
 rows = 2000
 cells = 2

@@ -11,7 +11,8 @@ fn scene_to_frame() {
     let (place, scene) = (Place::new(), cornell());
     let run = place.name("run");
     let bake = ["bake", &scene, "-o", &run, "--light-box", OVERHEAD];
-    let said = done(&[&bake[..], &["--preset", "preview"]].concat());
+    let nets = ["--method", "nets", "--preset", "preview"];
+    let said = done(&[&bake[..], &nets].concat());
     assert!(
         said.out.contains("relative error on held-out rows"),
         "{said:#?}"

@@ -7,9 +7,11 @@ use tempfile::TempDir;
 
 /// The light box of the oracle table `cornell_overhead`.
 pub const OVERHEAD: &str = "-0.6,1.3,-0.6,0.6,1.8,0.6";
-/// A bake that takes less than a second: two cells, 2,000 rows of 4 paths.
+/// A bake of nets that takes less than a second: two cells, 2,000 rows of 4 paths.
 /// The rounds come last.
-pub const TINY: [&str; 10] = [
+pub const TINY: [&str; 12] = [
+    "--method",
+    "nets",
     "--light-box",
     OVERHEAD,
     "--rows",

@@ -30,6 +30,7 @@ fn nets_lose_what_the_target_can_spare() {
     let of = |run: &str, more: &[&str]| {
         let bake = ["bake", &scene, "-o", run, "--light-box", OVERHEAD];
         let size = ["--rows", "16000", "--cells", "4", "--paths", "64"];
+        let bake = [&bake[..], &["--method", "nets"]].concat();
         done(&[&bake[..], &size, &["--target", "0.35"], more].concat())
     };
     let said = of(&small, &[]);

@@ -2,7 +2,9 @@
 
 use crate::program::{Place, bytes_below, cornell, done, refused, rrf, says};
 
-const SETTINGS: [&str; 12] = [
+const SETTINGS: [&str; 14] = [
+    "--method",
+    "nets",
     "--light-box",
     "-0.6,1.3,-0.6,0.6,1.8,0.6",
     "--rows",

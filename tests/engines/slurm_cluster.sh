@@ -75,7 +75,7 @@ for _ in $(seq 300); do
 done
 sinfo -h -o '%D nodes %T'
 
-SETTINGS="--light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 8000 --cells 4 --paths 8 --rounds 4 --target 0.29 --most-cells 6"
+SETTINGS="--method nets --light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 8000 --cells 4 --paths 8 --rounds 4 --target 0.29 --most-cells 6"
 "$RRF" bake --quiet scenes/cornell-box/scene.pbrt -o "$D/whole" $SETTINGS >/dev/null
 python3 pipeline/engines/slurm/submit.py --scene scenes/cornell-box/scene.pbrt --run "$D/run" \
     --rrf "$RRF" --seconds 0 -- $SETTINGS

@@ -12,7 +12,7 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENE = ROOT / "scenes/cornell-box/scene.pbrt"
 BOX = "--light-box=-0.6,1.3,-0.6,0.6,1.8,0.6"
-SMALL = [BOX, "--rows", 4000, "--cells", 2, "--most-cells", 2, "--paths", 8, "--rounds", 1]
+SMALL = [BOX, "--method", "nets", "--rows", 4000, "--cells", 2, "--most-cells", 2, "--paths", 8, "--rounds", 1]
 
 
 def rrf(*arguments, code=0):

@@ -23,7 +23,7 @@ def killed(tmp_path_factory):
     run = tmp_path_factory.mktemp("killed") / "run"
     binary = os.environ.get("RRF", ROOT / "target/release/rrf")
     box = "-0.6,1.3,-0.6,0.6,1.8,0.6"
-    sizes = ["--cells", "32", "--rows", "160000", "--paths", "256"]
+    sizes = ["--method", "nets", "--cells", "32", "--rows", "160000", "--paths", "256"]
     command = [binary, "bake", SCENE, "-o", run, "--light-box", box, *sizes, "--quiet"]
     process = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL)
     try:

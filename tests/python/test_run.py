@@ -40,7 +40,7 @@ def baked(tmp_path_factory):
     """The Cornell box in three nets."""
     run = tmp_path_factory.mktemp("rrf") / "run"
     box = "-0.6,1.3,-0.6,0.6,1.8,0.6"
-    sizes = ["--cells", CELLS, "--rows", ROWS, "--paths", 8, "--rounds", 1]
+    sizes = ["--method", "nets", "--cells", CELLS, "--rows", ROWS, "--paths", 8, "--rounds", 1]
     rrf("bake", SCENE, "-o", run, "--light-box", box, *sizes)
     return run
 
@@ -49,7 +49,7 @@ def baked(tmp_path_factory):
 def split(tmp_path_factory):
     """The Cornell box with lights anywhere, some of its cells cut in rounds: they meet each other."""
     run = tmp_path_factory.mktemp("rrf") / "run"
-    sizes = ["--cells", 6, "--rows", 24_000, "--paths", 8, "--rounds", 3]
+    sizes = ["--method", "nets", "--cells", 6, "--rows", 24_000, "--paths", 8, "--rounds", 3]
     rrf("bake", SCENE, "-o", run, "--light-box=-0.8,0.2,-0.8,0.8,1.8,0.8", *sizes)
     return run
 

@@ -1,4 +1,4 @@
-"""A transfer from the command line: its tables, its bytes, and its answers against traced ones."""
+"""The default, a transfer, from the command line: its tables, its bytes, and its answers against traced ones."""
 
 import json
 import os
@@ -37,7 +37,7 @@ def tables(run):
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("transfer") / "run"
-    rrf("bake", SCENE, "-o", folder, "--method", "transfer", *SMALL)
+    rrf("bake", SCENE, "-o", folder, *SMALL)
     return folder
 
 
@@ -51,14 +51,14 @@ def test_tables_are_as_described(run):
 def test_runs_are_whole_and_resumed_at_once(run):
     before = {path: path.stat().st_mtime_ns for path in run.rglob("*") if path.name != "lock"}
     assert "whole" in rrf("verify", run).stdout
-    told = rrf("bake", SCENE, "-o", run, "--method", "transfer", *SMALL, "--resume").stdout
+    told = rrf("bake", SCENE, "-o", run, *SMALL, "--resume").stdout
     assert "finished before" in told
     assert before == {path: path.stat().st_mtime_ns for path in run.rglob("*") if path.name != "lock"}
 
 
 def test_bytes_depend_on_neither_threads_nor_kills(run, tmp_path):
     expected = tables(run)
-    words = ["bake", SCENE, "--method", "transfer", *SMALL]
+    words = ["bake", SCENE, *SMALL]
     for threads in (1, 7):
         rrf(*words, "-o", tmp_path / f"{threads}", "--threads", threads)
         assert tables(tmp_path / f"{threads}") == expected
@@ -91,7 +91,7 @@ def test_damage_is_told_and_made_good(run, tmp_path):
     for words in (["verify", copy], ["render", copy, "-o", tmp_path / "a.png", "--size", "16x16"]):
         refused = rrf(*words, check=False)
         assert refused.returncode == 2 and "transfer_parts.arrow" in refused.stdout + refused.stderr
-    rrf("bake", SCENE, "-o", copy, "--method", "transfer", *SMALL, "--resume")
+    rrf("bake", SCENE, "-o", copy, *SMALL, "--resume")
     assert file.read_bytes() == whole
 
 
@@ -130,13 +130,13 @@ def test_answers_are_near_traced_ones(run, tmp_path):
 
 
 def test_what_does_not_fit_into_memory_is_refused(tmp_path):
-    refused = rrf("bake", SCENE, "-o", tmp_path / "a", "--method", "transfer", *SMALL, "--memory", "1MiB", check=False)
+    refused = rrf("bake", SCENE, "-o", tmp_path / "a", *SMALL, "--memory", "1MiB", check=False)
     assert refused.returncode == 2 and "--memory" in refused.stderr
     assert not list((tmp_path / "a").glob("model/*"))
 
 
 def test_batches_bake_transfers(run, tmp_path):
-    settings = ['method = "transfer"', 'preset = "preview"', "rows = 3000", "paths = 64"]
+    settings = ['preset = "preview"', "rows = 3000", "paths = 64"]
     head = ['output = "runs"', "[[bake]]", 'name = "one"', f"scene = {str(SCENE)!r}", "[bake.settings]"]
     (tmp_path / "batch.toml").write_text("\n".join(head + settings))
     told = rrf("run", tmp_path / "batch.toml", "--json", "--quiet").stdout.splitlines()
@@ -217,12 +217,12 @@ def test_other_commands_say_what_they_need(run, tmp_path):
         refused = rrf(*words, check=False)
         assert refused.returncode == 2 and "transfer" in refused.stderr and "--method nets" in refused.stderr, refused.stderr
     for words in (["extract", SCENE, "-o", tmp_path / "a"], ["plan", SCENE, "-o", tmp_path / "a"]):
-        refused = rrf(*words, "--method", "transfer", check=False)
+        refused = rrf(*words, check=False)
         assert refused.returncode == 2 and "--method nets" in refused.stderr, refused.stderr
         assert not (tmp_path / "a").exists()
     refused = rrf("chart", run, "-o", tmp_path / "charts", check=False)
     assert refused.returncode == 2 and "no rounds" in refused.stderr
     for option in (["--cells", "3"], ["--inputs", "px"], ["--no-trim"]):
-        refused = rrf("bake", SCENE, "-o", tmp_path / "b", "--method", "transfer", *option, check=False)
-        assert refused.returncode == 2 and option[0] in refused.stderr
+        refused = rrf("bake", SCENE, "-o", tmp_path / "b", *option, check=False)
+        assert refused.returncode == 2 and option[0] in refused.stderr and "--method nets" in refused.stderr
         assert not (tmp_path / "b").exists()

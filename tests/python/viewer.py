@@ -44,8 +44,8 @@ DIFFERENCE = """async (bytes) => {
 
 
 def bake(scene, run, *more):
-    """The smallest bake."""
-    size = ["--rows", "2000", "--cells", "2", "--paths", "4", "--rounds", "2", f"--light-box={LIGHT_BOX}"]
+    """The smallest bake of nets, or a bake of other settings."""
+    size = ["--method", "nets", "--rows", "2000", "--cells", "2", "--paths", "4", "--rounds", "2", f"--light-box={LIGHT_BOX}"]
     command = [RRF, "bake", "-q", scene, "-o", run, *(more or size)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return str(run)

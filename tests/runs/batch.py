@@ -23,6 +23,7 @@ on_finish = 'echo "$RRF_EXIT_CODE $RRF_SUMMARY $RRF_METRICS" >> finished.txt'
 metrics = "node/rrf.prom"
 
 [defaults]
+method = "nets"
 light_box = [-0.6, 1.3, -0.6, 0.6, 1.8, 0.6]
 rows = 8000
 cells = 4

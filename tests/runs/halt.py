@@ -18,7 +18,7 @@ import page
 import runs
 
 LIGHT_BOX = "--light-box=-0.6,1.3,-0.6,0.6,1.8,0.6"
-ONE_CELL = ["--cells", "1", "--most-cells", "1", "--rounds", "1"]
+ONE_CELL = ["--method", "nets", "--cells", "1", "--most-cells", "1", "--rounds", "1"]
 
 
 def main():
@@ -112,13 +112,13 @@ def time_limit_in_a_fit(run):
 
 def transfer_rows(run):
     """Rows of very many paths."""
-    command = [runs.program(), "bake", "--quiet", runs.SCENE, "-o", run, "--method", "transfer"]
+    command = [runs.program(), "bake", "--quiet", runs.SCENE, "-o", run]
     return told([*command, "--rows", "40000", "--paths", "65536"], 3, 1, "stopped by a signal")
 
 
 def transfer_fits(run):
     """Very many rows of few paths."""
-    command = [runs.program(), "bake", "--quiet", runs.SCENE, "-o", run, "--method", "transfer"]
+    command = [runs.program(), "bake", "--quiet", runs.SCENE, "-o", run]
     return limited([*command, "--rows", "100000", "--paths", "2", "--time-limit", "8"], 8)
 
 

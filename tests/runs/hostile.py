@@ -44,7 +44,10 @@ def main():
                 slowest = max(slowest, (seconds, " ".join(map(str, line))))
                 passed += 1
         for limit in NARROW:
-            for line in (["--version"], ["doctor"], [*BAKE, runs.SCENE, "-o", "narrow"], ["verify", run]):
+            for line in (
+                ["--version"], ["doctor"], ["verify", run], [*BAKE, runs.SCENE, "-o", "narrow"],
+                [*BAKE, runs.SCENE, "-o", "narrow-nets", "--method", "nets"],
+            ):
                 slowest = max(slowest, (attempt(folder, line, limit << 20), " ".join(map(str, line))))
                 passed += 1
         others = folder / "letter"
@@ -135,13 +138,14 @@ def lines(folder, run):
         "--light-box=100,100,100,101,101,101", "--eye-box=inf,0,0,1,1,1", "--inputs=nothing",
         "--time-limit=0", "--time-limit=nan", "--memory=0", "--memory=1", "--memory=64XB",
         "--memory=99999999999GiB", "--threads=0", "--threads=999999999", "--default-albedo=2",
-        "--default-albedo=nan", "--preset=best", "--method=magic",
+        "--default-albedo=nan", "--preset=best",
     ):
-        yield [*bake, cornell, "-o", "new", option]
+        yield [*bake, cornell, "-o", "new", "--method", "nets", option]
+    yield [*bake, cornell, "-o", "new", "--method=magic"]
     yield [*bake, cornell, "-o", "taken"]
     yield [*bake, cornell, "-o", "letter"]
     yield [*bake, cornell, "-o", "letter/run"]
-    yield [*bake, cornell, "-o", run]
+    yield from ([*bake, cornell, "-o", run, *method] for method in ([], ["--method", "nets"]))
     view = ["--eye=0,1,3", "--look-at=0,1,0"]
     outputs = (
         "none/a.exr", "/proc/a.exr", "circle.exr", ".", "", "a.jpg", "/dev/full", "/dev/null/a.png", "taken.exr/",
@@ -193,7 +197,7 @@ def lines(folder, run):
 
 def transfers(cornell):
     """Those of a run of a transfer."""
-    bake = ["bake", "--quiet", cornell, "--method", "transfer", "--time-limit", "5"]
+    bake = ["bake", "--quiet", cornell, "--time-limit", "5"]
     for option in (
         "--rows=0", "--rows=100000000", "--rows=4294967296", "--paths=0", "--paths=3", "--paths=4294967294", "--cells=2",
         "--hidden=3", "--memory=1GiB", "--rounds=0", "--target=nan", "--light-box=9,9,9,10,10,10",
@@ -202,7 +206,7 @@ def transfers(cornell):
         yield [*bake, "-o", "new-transfer", option]
     yield from ([*bake, "-o", name] for name in ("taken", "letter", "letter/run", "transfer", "run"))
     yield [*bake, "-o", "run", "--resume"]
-    yield ["bake", "--quiet", cornell, "-o", "transfer", "--resume"]
+    yield [*bake, "-o", "transfer", "--resume", "--method", "nets"]
     for words in (
         ["verify"], ["verify", "--json"], ["train"], ["plan"], ["commit"], ["inspect"], ["chart", "-o", "charts"],
         ["report", "-o", "page.html"], ["export", "--onnx", "a.onnx"], ["export", "--parquet", "letter"],

@@ -20,8 +20,8 @@ import runs
 
 CHOICES = ["Prescott", "Nehalem", "Zen", "SkylakeX", "none of them"]
 BAKES = {
-    "nets": "--light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 1000 --cells 2 --most-cells 2 --paths 4 --rounds 1".split(),
-    "transfer": "--method transfer --preset preview --rows 500 --paths 16".split(),
+    "nets": "--method nets --light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 1000 --cells 2 --most-cells 2 --paths 4 --rounds 1".split(),
+    "transfer": "--preset preview --rows 500 --paths 16".split(),
 }
 
 

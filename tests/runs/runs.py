@@ -8,12 +8,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE = ROOT / "scenes/cornell-box/scene.pbrt"
-# two rounds and one that trims, a few seconds of one core
+# nets: two rounds and one that trims, a few seconds of one core
 SETTINGS = (
-    "--light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 8000 --cells 4 --paths 8 --rounds 4 --target 0.29 --most-cells 6"
+    "--method nets --light-box=-0.6,1.3,-0.6,0.6,1.8,0.6 --rows 8000 --cells 4 --paths 8 --rounds 4 --target 0.29 "
+    "--most-cells 6"
 ).split()
 # the transfer of the same scene, less than a second of one core
-TRANSFER = "--method transfer --preset preview --rows 1000 --paths 32".split()
+TRANSFER = "--preset preview --rows 1000 --paths 32".split()
 PART = re.compile(r"cell=\d{6}/part-\d{5}\.parquet")
 
 

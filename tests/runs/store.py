@@ -21,7 +21,9 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parents[2]
 SCENE = HERE / "scenes/cornell-box/scene.pbrt"
-SETTINGS = "--light-box -0.6,1.3,-0.6,0.6,1.8,0.6 --rows 8000 --cells 4 --paths 8 --rounds 4 --target 0.29 --most-cells 6".split()
+SETTINGS = (
+    "--method nets --light-box -0.6,1.3,-0.6,0.6,1.8,0.6 --rows 8000 --cells 4 --paths 8 --rounds 4 --target 0.29 --most-cells 6"
+).split()
 RRF = os.environ.get("RRF", str(HERE / "target/release/rrf"))
 
 

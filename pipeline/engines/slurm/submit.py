@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Bakes a scene on a Slurm cluster: every round is job arrays, and a job that submits the next.
 
-    python3 submit.py --scene scene.pbrt --run RUN [-- settings of rrf bake]
+    python3 submit.py --scene scene.pbrt --run RUN [-- --method nets and other settings of rrf bake]
 
 Round after round: arrays for the extractions, arrays for the fits that wait for them, and a job
 that waits for those (however they ended), commits and submits the next round. Tasks that are
@@ -148,7 +148,7 @@ def stop(options, why):
 
 def parse():
     parser = argparse.ArgumentParser(
-        description=__doc__.splitlines()[0], epilog="What follows -- are settings of rrf bake."
+        description=__doc__.splitlines()[0], epilog="What follows -- are settings of rrf bake; --method nets or a baseline, which have tasks."
     )
     parser.add_argument("--run", required=True, type=lambda p: Path(p).absolute())
     parser.add_argument("--scene", help="begin a bake of this scene, or go on with it")

@@ -86,7 +86,10 @@ impl ExtractConfig {
 }
 
 /// Checks the box of a `what` against the scene's bounds.
-fn check_box(region: Region, what: &'static str, bounds: &Bounds) -> Result<(), ExtractError> {
+///
+/// # Errors
+/// [`ExtractError::Box`] for a box without a place in it, or without one in the scene.
+pub fn check_box(region: Region, what: &'static str, bounds: &Bounds) -> Result<(), ExtractError> {
     let bad = |message: String| {
         Err(ExtractError::Box {
             what,

@@ -25,7 +25,7 @@ mod visibility;
 
 pub use candidates::{Accepted, CandidateRow, Proposal, accept};
 pub use census::{Census, Rejection};
-pub use config::{ExtractConfig, NarrowLight};
+pub use config::{ExtractConfig, NarrowLight, check_box};
 pub use error::ExtractError;
 pub use eyes::Eyes;
 pub use first_tree::Weights;

@@ -5,12 +5,12 @@ use clap::ValueEnum;
 /// Method that a scene is baked by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Method {
-    /// Nets with exponential outputs.
+    /// Direct-to-indirect transfer: one bake for lights of every kind, anywhere in free space.
     #[default]
-    Nets,
-    /// A direct-to-indirect transfer: one bake for lights of every kind, anywhere in free space.
     Transfer,
-    /// Nets whose outputs are the radiance itself, as in Ren et al. 2013
+    /// Nets that have the light as an input, as in Ren et al. 2013: for point lights in a box.
+    Nets,
+    /// Such nets whose outputs are the radiance itself, as in Ren et al. 2013
     LinearOutputs,
     /// Linear regression on the same inputs.
     LinearRegression,

@@ -23,7 +23,8 @@ use serde::{Deserialize, Serialize};
 /// Options of a bake.
 #[derive(Args, Clone, Debug)]
 pub struct Settings {
-    /// Box that lights may be in; by default the middle 80 % of the scene's bounds.
+    /// Box that movable lights will be in. A transfer knows lights anywhere in free space, and with the box most of what
+    /// it learns is about points in it. Nets know no others; their default is the middle 80 % of the scene's bounds.
     #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", value_parser = region, allow_hyphen_values = true)]
     pub light_box: Option<Region>,
     /// Box that eyes may be in. Surfaces that cannot be seen from 64 places in it get no rows and
@@ -39,13 +40,14 @@ pub struct Settings {
     /// Amount of work.
     #[arg(long, value_enum, default_value_t = Preset::Standard)]
     pub preset: Preset,
-    /// Method that cells are fitted by: nets, or a baseline to compare them with.
+    /// Method that the scene is baked by: a transfer, nets, or a baseline to compare them with.
     #[arg(long, value_enum, default_value_t = Method::default())]
     pub method: Method,
-    /// Units of the nets' hidden layers, from the inputs on, instead of 20,10 (global-net: 32,16).
+    /// Units of the nets' hidden layers, from the inputs on, instead of the method's (nets: 20,10; global-net: 32,16). A
+    /// transfer's nets have one hidden layer.
     #[arg(long, value_name = "A[,B]")]
     pub hidden: Option<Hidden>,
-    /// Names of the nets' inputs. Those that vary in a cell are used. By default these are position,
+    /// Names of the nets' inputs, with --method nets and its baselines. Those that vary in a cell are used. By default these are position,
     /// normal, viewer, light and material, without the normal and material where the position
     /// determines them. Previews, regressions and global-net use all of these, and the direction and
     /// inverse distance to the light.
@@ -57,17 +59,17 @@ pub struct Settings {
     /// Paths for each row, instead of the preset's number.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65_536))]
     pub paths: Option<u32>,
-    /// Maximum of cells in the first round, instead of the preset's.
+    /// Maximum of cells in the first round, instead of the preset's, with --method nets and its baselines.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub cells: Option<u32>,
-    /// Maximum of rounds, instead of the preset's.
+    /// Maximum of rounds, instead of the preset's. In a transfer these are rounds of rows within a surface.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: Option<u32>,
-    /// Maximum of cells in all rounds, instead of the preset's.
+    /// Maximum of cells in all rounds, instead of the preset's, with --method nets and its baselines.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub most_cells: Option<u32>,
     /// Keep the size of the nets when the target is met, instead of making them smaller until it is
-    /// only just met.
+    /// only just met, with --method nets.
     #[arg(long = "no-trim", action = clap::ArgAction::SetFalse)]
     pub trim: bool,
     /// How the scene is read.
@@ -79,7 +81,7 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
-    /// Seconds: to check a scene and its light box.
+    /// Seconds: to check a scene.
     Preview,
     /// Minutes: as for the figures in the README.
     Standard,

@@ -2,7 +2,7 @@
 
 use crate::error::BakeError;
 use crate::settings::{Preset, Settings};
-use rrf_extract::{ExtractError, NarrowLight, Region};
+use rrf_extract::{ExtractError, NarrowLight, Region, check_box};
 use rrf_scene::{LightUnits, LoadOptions, Scene, SkyOption};
 use rrf_transfer::TransferConfig;
 use serde::{Deserialize, Serialize};
@@ -145,75 +145,52 @@ impl Settings {
         config.rows = self.rows.map_or(config.rows, |rows| rows as usize);
         config.paths = self.paths.unwrap_or(config.paths);
         if !config.paths.is_multiple_of(2) {
-            return Err(wrong(
-                "--paths",
-                "has to be even: rows are kept as two halves",
-            ));
+            let odd = config.paths;
+            let reason =
+                format!("{odd} paths a row: has to be even, since rows are kept as two halves");
+            return Err(wrong("--paths", reason));
         }
         config.rounds = self.rounds.map_or(config.rounds, |rounds| rounds - 1);
         config.units = match self.hidden.as_ref().map(|hidden| hidden.0.as_slice()) {
             None => config.units,
             Some(&[units]) => units,
             Some(_) => {
-                return Err(wrong(
-                    "--hidden",
-                    "nets of a transfer have one hidden layer: give one number",
-                ));
+                let reason = "nets of the method transfer, the default, have one hidden layer: give one \
+                              number, or --method nets";
+                return Err(wrong("--hidden", reason.into()));
             }
         };
-        let cells = "a transfer cuts as many cells as its rows fill";
+        let cells = "the method transfer, the default, cuts as many cells as its rows fill";
         refuse("--cells", self.cells.is_some(), cells)?;
         refuse("--most-cells", self.most_cells.is_some(), cells)?;
-        let inputs = "nets of a transfer see position, normal and viewer, and no light";
+        let inputs = "nets of the method transfer, the default, see position, normal and viewer, and no light";
         refuse("--inputs", self.inputs.is_some(), inputs)?;
-        let trim = "nets of a transfer keep their size";
+        let trim = "nets of the method transfer, the default, keep their size";
         refuse("--no-trim", !self.trim, trim)?;
         let bounds = scene.bounds().ok_or(ExtractError::NoTriangle)?;
         for (what, of) in [("light", self.light_box), ("eye", self.eye_box)] {
             if let Some(region) = of {
-                check_box(what, &region, bounds.min, bounds.max)?;
+                check_box(region, what, &bounds)?;
             }
         }
         Ok(config)
     }
 }
 
-/// Refuses a box without a place in it, or without one in the scene.
-fn check_box(
-    what: &'static str,
-    region: &Region,
-    low: [f32; 3],
-    high: [f32; 3],
-) -> Result<(), ExtractError> {
-    let meets = |i: usize| region.minimum[i] <= high[i] && region.maximum[i] >= low[i];
-    let ordered = (0..3).all(|i| region.minimum[i] <= region.maximum[i]);
-    if ordered && (0..3).all(meets) {
-        return Ok(());
-    }
-    let scene = Region {
-        minimum: low,
-        maximum: high,
-    };
-    Err(ExtractError::Box {
-        what,
-        bounds: *region,
-        message: match ordered {
-            true => format!("lies outside of the scene, {scene}"),
-            false => "its first corner has to be the smaller one".into(),
-        },
-    })
-}
-
+/// Refuses an option that only the other methods have.
 fn refuse(option: &str, is_given: bool, reason: &str) -> Result<(), BakeError> {
     match is_given {
-        true => Err(wrong(option, reason)),
+        true => Err(wrong(
+            option,
+            format!("{reason}. The option is for --method nets and its baselines"),
+        )),
         false => Ok(()),
     }
 }
 
-fn wrong(option: &str, reason: &str) -> BakeError {
+fn wrong(option: &str, reason: String) -> BakeError {
     BakeError::Setting {
-        option: format!("{option} with --method transfer"),
-        reason: reason.into(),
+        option: option.into(),
+        reason,
     }
 }

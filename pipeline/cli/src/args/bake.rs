@@ -35,11 +35,12 @@ pub struct BakeArgs {
 /// work of the last one.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Bounds {
-    /// Stop after this many seconds. The last round only starts work that it expects to finish
-    /// in time. The result is the model of the last complete round.
+    /// Stop after this many seconds. A transfer that is not done by then keeps the surfaces that are, for --resume; it
+    /// gives cells that err further rows only as far as there is time. Nets have the model of the last complete
+    /// round, and the last round only starts work that it expects to finish in time.
     #[arg(long, value_name = "SECONDS", value_parser = positive)]
     pub time_limit: Option<f32>,
-    /// Memory limit for all tasks that run at the same time.
+    /// Memory limit: of nets for all tasks that run at the same time; of a transfer for the rows of a surface and the fits.
     #[arg(long, value_name = "BYTES|2GiB", value_parser = parse_bytes)]
     pub memory: Option<u64>,
 }

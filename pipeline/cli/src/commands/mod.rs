@@ -23,15 +23,15 @@ use clap::Subcommand;
 /// A subcommand and its arguments.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Load, plan, extract, train, judge: from a scene file to a run folder.
+    /// Bake a scene's indirect light: from a scene file to a run folder.
     Bake(args::BakeArgs),
-    /// The first stages of a bake alone: load, plan, extract.
+    /// The first stages of a bake of nets alone: load, plan, extract.
     Extract(args::ExtractArgs),
-    /// The last stages of a bake alone: train, judge.
+    /// The last stages of a bake of nets alone: train, judge.
     Train(args::TrainArgs),
     /// Bake everything that a file lists; again: only what changed.
     Run(args::RunArgs),
-    /// Tasks of a bake's next round as a table, for schedulers.
+    /// Tasks of the next round of a bake of nets as a table, for schedulers.
     Plan(args::PlanArgs),
     /// Do one task of a plan; done ones are skipped.
     Task(args::TaskArgs),

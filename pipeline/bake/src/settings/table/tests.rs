@@ -1,5 +1,6 @@
 use super::*;
 use crate::Preset;
+use crate::settings::Method;
 
 fn read(text: &str) -> Result<Settings, BakeError> {
     Settings::from_table(&text.parse().unwrap())
@@ -30,6 +31,7 @@ fn a_table_means_what_the_options_mean() {
     );
     let defaults = read("trim = true").unwrap();
     assert_eq!((defaults.preset, defaults.trim), (Preset::Standard, true));
+    assert_eq!(defaults.method, Method::Transfer);
 }
 
 #[test]
