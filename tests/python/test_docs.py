@@ -197,7 +197,7 @@ def filled(command, folder):
     }
     words = command.split()[1:]
     words = [str(places.get(word, word)) for word in words]
-    words = [str(folder / word) if re.fullmatch(r"\w+\.(png|exr|parquet)", word) else word for word in words]
+    words = [str(folder / word) if re.fullmatch(r"\w+\.(png|exr|parquet|safetensors)", word) else word for word in words]
     words = ["16" if before == "--spp" else "24x16" if before == "--size" else word for before, word in zip(["", *words], words)]
     if words[0] in ("render", "trace") and "--size" not in words and "--points" not in words:
         words += ["--size", "24x16"]

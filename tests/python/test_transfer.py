@@ -1,5 +1,6 @@
 """The default, a transfer, from the command line: its tables, its bytes, and its answers against traced ones."""
 
+import importlib.util
 import json
 import os
 import pathlib
@@ -181,6 +182,52 @@ def test_parquet_copies_hold_the_tables(run, tmp_path):
     assert sorted(pathlib.Path(name).stem for name in named) == sorted(TABLES)
     for name in TABLES:
         assert pq.read_table(tmp_path / f"copies/{name}.parquet").equals(read(run, name))
+
+
+def test_numpy_relights_an_exported_transfer(run, tmp_path):
+    """`docs/guide/relight.py` has the answers of `rrf query`, for each light and for a blend of both."""
+    spec = importlib.util.spec_from_file_location("relight", ROOT / "docs/guide/relight.py")
+    relight = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(relight)
+    file, place = tmp_path / "room.safetensors", (0.2, 1.5, -0.1)
+    rrf("export", run, "--safetensors", file, "--scene-lights", f"--light={','.join(map(str, place))},1,1,1")
+    tensors, names = relight.load(file)
+    assert names == ["light0", "point0"] and (tensors["light.residual"] < 0.1).all()
+    asked = points(400).drop_columns("light")
+    for axis, x in zip("xyz", place):
+        asked = asked.set_column(asked.column_names.index(f"l{axis}"), f"l{axis}", pa.array(np.full(400, x, np.float32)))
+    found = {}
+    for name, light in (("light0", "light0"), ("point0", "point")):
+        pq.write_table(asked.append_column("light", pa.array([light] * 400)), tmp_path / "asked.parquet")
+        rrf("query", run, "--points", tmp_path / "asked.parquet", "-o", tmp_path / f"{name}.parquet", "--fallback", "none")
+        answers = pq.read_table(tmp_path / f"{name}.parquet")
+        found[name] = np.stack([answers[c].to_numpy() for c in "rgb"], 1).astype(float)
+    three = lambda start: np.stack([asked[start + axis].to_numpy() for axis in "xyz"], 1).astype(float)
+    position, normal, viewer = three("p"), three("n"), three("v")
+    # the surface of each point by the cell that answered: the tree from its root down
+    owner = {}
+    for *key, root in tensors["tree.surface"].tolist():
+        nodes = [root]
+        while nodes:
+            node = nodes.pop()
+            if tensors["tree.axis"][node] < 0:
+                owner[tensors["tree.children"][node, 0]] = key
+            else:
+                nodes += tensors["tree.children"][node].tolist()
+    cells = answers["cell_id"].to_numpy()
+    surface = np.array([owner[cell] for cell in cells])
+    assert (relight.find_cells(tensors, surface, position, normal) == cells).all()
+    # the floor and the back wall are white paint
+    base_color = np.tile([0.725, 0.71, 0.68], (400, 1))
+    irradiance = dict(zip(names, tensors["light.irradiance"]))
+    made = lambda light: relight.radiance(tensors, light, surface, position, normal, normal, viewer, base_color)
+    level = max(x.mean() for x in found.values())
+    for name in names:
+        # by the program's rational tanh and 32 bits
+        assert abs(made(irradiance[name]) - found[name]).max() < 2e-4 * level
+    tint = np.array([0.2, 0.5, 1.5])
+    blend = made(3 * irradiance["point0"] + tint * irradiance["light0"])
+    assert abs(blend - (3 * found["point0"] + tint * found["light0"])).max() < 2e-3 * level
 
 
 def test_the_page_of_a_run_tells_its_errors(run, tmp_path):

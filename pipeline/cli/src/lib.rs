@@ -22,6 +22,7 @@ mod point_rows;
 mod points;
 mod progress;
 mod reach;
+mod relightable;
 mod residual;
 mod run_location;
 mod scene_file;

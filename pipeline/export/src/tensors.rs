@@ -16,18 +16,13 @@
 //! y is indirect outgoing radiance [W/(sr m²)] for an isotropic point light of 1 W/sr a channel.
 
 use crate::ExportError;
-use crate::error::write_file;
+use crate::tensor_file::{Tensor, floats, ids, write_tensors};
 use rrf_field::columns;
 use rrf_field::inputs::NAMES;
 use rrf_field::model::CellModel;
 use rrf_field::tree::Tree;
-use safetensors::tensor::{Dtype, TensorView};
-use serde_json::value::RawValue;
-use std::collections::{BTreeMap, HashMap};
+use safetensors::tensor::Dtype;
 use std::path::Path;
-
-/// A tensor's name, type, shape and little-endian bytes.
-type Tensor = (String, Dtype, Vec<usize>, Vec<u8>);
 
 /// Writes the model; `facts` go into the metadata beside the lists of names.
 ///
@@ -44,45 +39,12 @@ pub fn write_safetensors(
     for cell in cells {
         tensors.extend(cell_tensors(cell)?);
     }
-    let views = tensors
-        .iter()
-        .map(|(name, dtype, shape, bytes)| {
-            let view = TensorView::new(*dtype, shape.clone(), bytes);
-            Ok((name, view.map_err(|e| ExportError::encode(path, e))?))
-        })
-        .collect::<Result<Vec<_>, ExportError>>()?;
-    let mut metadata: HashMap<String, String> = facts
-        .iter()
-        .map(|(name, value)| (name.to_string(), value.clone()))
-        .collect();
-    metadata.insert("format".into(), "rrf-nets-1".into());
-    metadata.insert("inputs".into(), NAMES.join(" "));
-    metadata.insert("raw_columns".into(), columns::NAMES.join(" "));
-    let bytes = safetensors::serialize(views, Some(metadata))
-        .map_err(|e| ExportError::encode(path, e))
-        .and_then(|bytes| sort_header(&bytes).map_err(|e| ExportError::encode(path, e)))?;
-    write_file(path, &bytes)
-}
-
-/// The file with the names of its header in order: the library keeps metadata in a hash map, whose
-/// order differs from one run to the next.
-fn sort_header(file: &[u8]) -> Result<Vec<u8>, serde_json::Error> {
-    let (length, rest) = file.split_at(size_of::<u64>().min(file.len()));
-    let length = length.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b));
-    let (header, data) = rest.split_at(length.min(rest.len()));
-    let mut names: BTreeMap<&str, &RawValue> = serde_json::from_slice(header)?;
-    let sorted = names.get("__metadata__").map(|raw| {
-        let metadata: BTreeMap<String, String> = serde_json::from_str(raw.get())?;
-        serde_json::value::to_raw_value(&metadata)
-    });
-    let sorted = sorted.transpose()?;
-    if let Some(metadata) = &sorted {
-        names.insert("__metadata__", metadata);
-    }
-    let mut header = serde_json::to_vec(&names)?;
-    // tensors begin at a multiple of eight bytes
-    header.resize(header.len().next_multiple_of(8), b' ');
-    Ok([&(header.len() as u64).to_le_bytes(), &*header, data].concat())
+    let names = [
+        ("format", "rrf-nets-1".into()),
+        ("inputs", NAMES.join(" ")),
+        ("raw_columns", columns::NAMES.join(" ")),
+    ];
+    write_tensors(path, &tensors, facts.iter().cloned().chain(names))
 }
 
 fn tree_tensors(tree: &Tree) -> Vec<Tensor> {
@@ -152,21 +114,13 @@ fn cell_tensors(cell: &CellModel) -> Result<Vec<Tensor>, ExportError> {
     Ok(tensors)
 }
 
-fn floats(name: &str, shape: Vec<usize>, values: &[f32]) -> Tensor {
-    let bytes = values.iter().flat_map(|x| x.to_le_bytes()).collect();
-    (name.into(), Dtype::F32, shape, bytes)
-}
-
-fn ids(name: &str, shape: Vec<usize>, values: &[u32]) -> Tensor {
-    let bytes = values.iter().flat_map(|x| x.to_le_bytes()).collect();
-    (name.into(), Dtype::U32, shape, bytes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use rrf_field::net::{Shape, evaluate};
     use safetensors::SafeTensors;
+    use safetensors::tensor::TensorView;
+    use std::collections::HashMap;
 
     fn cell() -> CellModel {
         let shape = Shape {

@@ -200,6 +200,11 @@ impl<'a> LitTransfer<'a> {
         Some(lit.sum())
     }
 
+    /// Irradiance of every column [W/m²].
+    pub fn irradiance(&self) -> &[Vec3] {
+        &self.irradiance
+    }
+
     /// The model's patches.
     pub fn patches(&self) -> &'a Patches {
         &self.book.model.patches

@@ -17,9 +17,9 @@ impl Settings {
     /// [`BakeError::Extract`] for a scene without surfaces.
     pub fn config(&self, scene: &Scene) -> Result<BakeConfig, BakeError> {
         if self.method == Method::Transfer {
-            let reason = "has no stages and tasks: `rrf bake` bakes it in one go. For stages and tasks give \
-                          --method nets";
-            return Err(wrong("--method transfer, the default,", reason.into()));
+            let reason = "the method transfer, the default, has no stages and tasks: `rrf bake` bakes it in one go. \
+                          For stages and tasks give --method nets";
+            return Err(wrong("--method", reason.into()));
         }
         let light_box = match self.light_box {
             Some(light_box) => light_box,

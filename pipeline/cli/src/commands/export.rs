@@ -2,16 +2,18 @@
 
 use crate::args::CameraArgs;
 use crate::failure::BadInput;
+use crate::relightable::write_relightable;
 use crate::run_location::RunLocation;
 use crate::scene_file;
 use clap::Args;
 use rrf_bake::settings::SceneOptions;
 use rrf_bake::{Run, RunMethod, TransferRun};
 use rrf_scene::{Camera, Scene};
+use rrf_store::manifest::RunManifest;
 use rrf_store::model;
 use std::path::{Path, PathBuf};
 
-/// Write the scene for Mitsuba 3, or the baked nets as tensors or ONNX.
+/// Write the scene for Mitsuba 3, or the baked model as tensors, ONNX or Parquet.
 #[derive(Args, Clone, Debug)]
 #[command(group = clap::ArgGroup::new("format").required(true).multiple(true))]
 pub struct ExportArgs {
@@ -20,16 +22,16 @@ pub struct ExportArgs {
     /// Folder for scene.xml, meshes and textures that Mitsuba 3 loads.
     #[arg(long, value_name = "DIR", group = "format")]
     pub mitsuba: Option<PathBuf>,
-    /// File for the nets and their kd-tree.
+    /// File for the nets and their kd-tree; of a transfer for its model and, light by light, the light on its patches.
     #[arg(long, value_name = "F", group = "format")]
     pub safetensors: Option<PathBuf>,
-    /// File for the same as one ONNX graph.
+    /// File for the nets and their kd-tree as one ONNX graph.
     #[arg(long, value_name = "F", group = "format")]
     pub onnx: Option<PathBuf>,
     /// Folder for copies of the model's tables in Parquet, which DuckDB reads.
     #[arg(long, value_name = "DIR", group = "format")]
     pub parquet: Option<PathBuf>,
-    /// Camera and lights that go into --mitsuba's scene.
+    /// Camera and lights that go into --mitsuba's scene, and lights of a transfer's tensors.
     #[command(flatten)]
     pub camera: CameraArgs,
     /// Reading the scene.
@@ -68,11 +70,10 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
 }
 
 fn transfer(args: &ExportArgs, run: &TransferRun) -> anyhow::Result<()> {
-    if args.safetensors.is_some() || args.onnx.is_some() {
+    if args.onnx.is_some() {
         let told = format!(
-            "{}: is a run of a transfer, whose cells need a light before they are functions of a point. \
-             --safetensors and --onnx are for runs of nets: bake with `--method nets`. --parquet copies the \
-             tables of both",
+            "{}: is a run of a transfer, whose cells are chosen by surfaces and need a light: no graph of ONNX. \
+             --onnx is for runs of `--method nets`; --safetensors writes a transfer with its lights",
             args.input.display()
         );
         return Err(BadInput(told).into());
@@ -81,7 +82,19 @@ fn transfer(args: &ExportArgs, run: &TransferRun) -> anyhow::Result<()> {
         let written = model::write_transfer_copies(&run.folder, folder, &run.facts())?;
         print_paths(&written);
     }
+    if let Some(file) = &args.safetensors {
+        let lights = write_relightable(&args.input, &args.camera, file, &facts(&run.manifest))?;
+        println!("{lights} lights: {}", file.display());
+    }
     Ok(())
+}
+
+fn facts(manifest: &RunManifest) -> [(&'static str, String); 3] {
+    [
+        ("created_by", manifest.created_by.clone()),
+        ("scene_hash", manifest.scene_hash.clone()),
+        ("seed", manifest.seed.to_string()),
+    ]
 }
 
 fn print_paths(paths: &[PathBuf]) {
@@ -128,12 +141,7 @@ fn camera(view: rrf_render::View) -> Camera {
 
 fn nets(args: &ExportArgs, run: &Run) -> anyhow::Result<()> {
     let model = model::read_model(&run.folder, &run.facts())?;
-    let manifest = &run.manifest;
-    let facts = [
-        ("created_by", manifest.created_by.clone()),
-        ("scene_hash", manifest.scene_hash.clone()),
-        ("seed", manifest.seed.to_string()),
-    ];
+    let facts = facts(&run.manifest);
     if let Some(folder) = &args.parquet {
         print_paths(&model::write_parquet_copies(
             &run.folder,
