@@ -36,7 +36,7 @@ pub struct ReportArgs {
 pub(crate) fn run(args: &ReportArgs, program: &Program) -> Result<(), ReportError> {
     let body = match RunMethod::of(&args.run)? {
         RunMethod::Nets => nets(args, program)?,
-        RunMethod::Transfer => transfer::page(args, program)?,
+        RunMethod::Transfer => transfer::page(&args.run, &args.frame, program)?,
     };
     let name = args.run.file_name().unwrap_or(args.run.as_os_str());
     let title = format!("Run {}", name.to_string_lossy());

@@ -1,7 +1,7 @@
 //! The page of a transfer's run.
 
-use super::frames::{Pictured, frames};
-use super::{ReportArgs, tables};
+use super::frames::{FrameOptions, Pictured, frames};
+use super::tables;
 use crate::html::{or_dash, percent, percent_se, table};
 use crate::{Program, ReportError};
 use maud::{Markup, html};
@@ -9,13 +9,18 @@ use rrf_bake::{TransferRun, TransferSummary};
 use rrf_metrics::relative::FORMULA;
 use rrf_scene::Scene;
 use rrf_store::model::read_transfer;
+use std::path::Path;
 
 /// Cells that stand open on the page.
 const SHOWN: usize = 20;
 
 /// All about the run.
-pub(super) fn page(args: &ReportArgs, program: &Program) -> Result<Markup, ReportError> {
-    let run = TransferRun::open(&args.run)?;
+pub(super) fn page(
+    folder: &Path,
+    frame: &FrameOptions,
+    program: &Program,
+) -> Result<Markup, ReportError> {
+    let run = TransferRun::open(folder)?;
     let scene = run.load_scene()?;
     let summary = run.summary(&scene.unlit())?;
     let counts = [
@@ -28,7 +33,7 @@ pub(super) fn page(args: &ReportArgs, program: &Program) -> Result<Markup, Repor
         ("rows", summary.rows.to_string()),
     ];
     let pictured = Pictured {
-        run: &args.run,
+        run: folder,
         manifest: &run.manifest,
         read_by: run.config.load_options(),
         shows_own_lights: scene.has_own_lights(),
@@ -38,7 +43,7 @@ pub(super) fn page(args: &ReportArgs, program: &Program) -> Result<Markup, Repor
         (tables::settings(&run.manifest, &counts))
         (errors(&summary, f64::from(run.config.target)))
         (caveats(&summary, &scene))
-        (frames(&args.frame, program, &pictured)?)
+        (frames(frame, program, &pictured)?)
         (cells(&run)?)
         (tables::scene(&scene))
     })
