@@ -103,7 +103,7 @@ fn faults_before_anything_starts() {
         "outside the scene",
         "eye box 7,7,7,8,8,8",
         "'best'",
-        "nets, transfer, linear-outputs",
+        "transfer, nets, linear-outputs",
     ];
     refused(&["run", &file], &words);
     let file = batch(&place, "colour = 1", &bakes[0]);
