@@ -2,9 +2,10 @@
 //! the bound their noise comes, and what they cost.
 //!
 //! ```text
-//! cargo run --release -p rrf-render --example direct_noise -- SCENE [sky=FILE.exr] [size=96x64] [seeds=32] [rays=1024] [noise=0.01] [picture=F.png]
+//! cargo run --release -p rrf-render --example direct_noise -- SCENE [sky=FILE.exr] [size=96x64] [seeds=32] [rays=1024] [noise=0.01] [narrow=4] [picture=F.png]
 //! ```
 //!
+//! `narrow` rays of a pixel go into lobes that are narrow, but not as a mirror's.
 //! Frames of `seeds` seeds go down to the bound, as `rrf render --part direct` does; as many more have
 //! `rays` plain shadow rays each, which choose lights uniformly and learn nothing. Blocks of 8 x 8
 //! pixels, and the whole, are compared by Welch's t, as z (Wallace 1959): the largest of all blocks may
@@ -124,6 +125,7 @@ fn main() {
     };
     let field = no_field();
     let renderer = Renderer::new(&tracer, &field);
+    let narrow_rays = number("narrow", 0.0) as u32;
     let render = |rays: Option<ShadowRays>, noise: Option<f32>, seed: u64| -> Vec<Vec3> {
         let options = RenderOptions {
             part: Part::Direct,
@@ -131,6 +133,7 @@ fn main() {
             shadow_rays: rays,
             noise,
             seed,
+            narrow_rays,
             ..RenderOptions::default()
         };
         let mut frame = Frame::default();
