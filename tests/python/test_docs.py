@@ -193,7 +193,7 @@ def filled(command, folder):
         "RUN": folder / "new" if bakes else run, "P": folder / "points.parquet", "points.parquet": folder / "points.parquet",
         "A.exr": folder / "frame.exr", "B.exr": folder / "traced.exr", "camera.csv": folder / "camera.csv",
         "OUT": folder / "out.parquet", "F": folder / "nets.onnx", "F.exr": folder / "F.exr", "FRAMES": folder / "frames",
-        "x0,y0,z0,x1,y1,z1": "-1,0.5,-1,1,2,1", "out/room": folder / ("baked" if bakes else "room"), "out/first": run, "out/tables": folder / "copies",
+        "x0,y0,z0,x1,y1,z1": "-1,0.5,-1,1,2,1", "out/room": folder / ("baked" if bakes else "room"), "out/first": run, "out/tables": folder / "copies", "DIR": folder / "copies",
     }
     words = command.split()[1:]
     words = [str(places.get(word, word)) for word in words]
