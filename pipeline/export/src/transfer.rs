@@ -2,9 +2,9 @@
 //!
 //! | tensor | type, shape | what |
 //! |---|---|---|
-//! | `light.irradiance` | f32 \[lights, columns, 3\] | irradiance of every column by each light of the list `lights` of the metadata [W/m²] |
+//! | `light.irradiance` | f32 \[lights, columns, 3\] | irradiance of every column by each light of the list `lights` of the metadata \[W/m²\] |
 //! | `light.residual` | f32 \[lights\] | share of the light that the cells leave out |
-//! | `column.area` | f32 \[columns\] | area of its patch [m²] |
+//! | `column.area` | f32 \[columns\] | area of its patch \[m²\] |
 //! | `column.position`, `column.normal`, `column.direction` | f32 \[columns, 3\] | the patch's middle, the normal of its side, and the way that its light comes from where `column.directions` is above 1 |
 //! | `column.directions` | u32 \[columns\] | columns of that side of the patch |
 //! | `node.columns`, `node.range` | u32 \[columns\], \[nodes, 2\] | node n has the columns `node.columns[range[n, 0]:range[n, 1]]` |
