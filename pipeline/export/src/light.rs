@@ -22,7 +22,7 @@ pub(crate) fn emitters(
         }
         let noted = written.note;
         notes.extend(noted.map(|note| format!("light {:?}: {note}", light.name)));
-        skies += usize::from(matches!(light.source, LightSource::Environment(_)));
+        skies += usize::from(light.source.is_sky());
         xml += &written.xml;
     }
     if skies > 1 {

@@ -109,6 +109,13 @@ macro_rules! kinds {
     };
 }
 
+impl LightSource {
+    /// Whether light comes from all around.
+    pub fn is_sky(&self) -> bool {
+        matches!(self, LightSource::Environment(_))
+    }
+}
+
 kinds! {
     /// An isotropic point.
     Point(PointLight),

@@ -2,7 +2,7 @@
 
 use crate::options::{SkyOption, SkySource};
 use crate::texture::linear_picture;
-use crate::{LightSource, OwnLight, Scene, SceneError};
+use crate::{OwnLight, Scene, SceneError};
 use glam::{Mat3, Vec3};
 use rrf_lights::{Environment, EnvironmentMap, LightNames, Mapping};
 use std::path::Path;
@@ -13,16 +13,14 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] where its picture cannot be read.
     pub fn replace_sky(&mut self, option: &SkyOption) -> Result<(), SceneError> {
-        let is_sky = |light: &OwnLight| matches!(light.source, LightSource::Environment(_));
-        self.lights.retain(|light| !is_sky(light));
+        self.lights.retain(|light| !light.source.is_sky());
         add_sky(self, option)
     }
 }
 
 /// Adds the sky that a user asks for, lat-long with +y up.
 pub(crate) fn add_sky(scene: &mut Scene, option: &SkyOption) -> Result<(), SceneError> {
-    let is_sky = |light: &&OwnLight| matches!(light.source, LightSource::Environment(_));
-    if let Some(light) = scene.lights.iter().find(is_sky) {
+    if let Some(light) = scene.lights.iter().find(|light| light.source.is_sky()) {
         return refuse(
             &scene.source,
             format!(

@@ -1,7 +1,7 @@
 //! Lights that shine together, and the choice among them.
 
 use crate::lamps::{emission, emitting_triangles};
-use crate::openings::{Openings, aim_density, is_sky};
+use crate::openings::{Openings, aim_density};
 use glam::Vec3;
 use rrf_lights::{Arrival, EmittingTriangles, LightSource};
 use rrf_sampling::warp::{by_weight, by_weight_probability};
@@ -50,7 +50,7 @@ impl LightSet {
 
     /// Whether light comes from all around.
     pub fn has_sky(&self) -> bool {
-        self.far.sources.iter().any(is_sky)
+        self.far.sources.iter().any(LightSource::is_sky)
     }
 
     /// Radiance [W/(sr m²)] that a ray meets that leaves the scene in direction `toward`.
@@ -154,7 +154,7 @@ impl LightGroup {
     ) -> Option<Arrival> {
         let (index, probability) = self.choose(u[0]);
         let source = self.source(index)?;
-        let arrival = match openings.filter(|_| is_sky(source)) {
+        let arrival = match openings.filter(|_| source.is_sky()) {
             None => source.sample(at, [u[1], u[2]])?,
             Some(openings) => {
                 let (_, within) = self.choose_within(u[0]);

@@ -4,7 +4,7 @@ use crate::TraceError;
 use crate::estimates::{Estimates, Sampling};
 use crate::indirect::{Estimator, Queries};
 use crate::light_set::LightSet;
-use crate::openings::{Openings, Walks, is_sky};
+use crate::openings::{Openings, Walks};
 use crate::surface::SurfacePoint;
 use crate::tracer::Tracer;
 use crate::wave::{KEEP, Part, Row, Source};
@@ -99,7 +99,7 @@ impl Tracer<'_> {
         (points, viewers): (&[SurfacePoint], &[Vec3]),
         stream: Stream,
     ) -> Option<Openings> {
-        let skies = sources.iter().filter(|source| is_sky(source));
+        let skies = sources.iter().filter(|source| source.is_sky());
         let skies: Vec<&LightSource> = skies.copied().collect();
         let last = skies.len().checked_sub(1)?;
         let centre = 0.5 * (self.bounds[0] + self.bounds[1]);

@@ -20,11 +20,6 @@ const USUAL_RAYS: f32 = 16.0;
 /// The least share of a sky that is taken to arrive, however few of the pilot's rays did.
 const LEAST_ARRIVING: f32 = 0.01;
 
-/// Whether light comes from all around.
-fn is_sky(light: &LightSource) -> bool {
-    matches!(light, LightSource::Environment(_))
-}
-
 /// Lights to be sampled: those with a place, and those from afar.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SampledLights<'f> {
@@ -72,7 +67,7 @@ impl<'f> SampledLights<'f> {
         };
         let arriving = openings.arriving().max(LEAST_ARRIVING).sqrt();
         for (level, light) in self.far_level.iter_mut().zip(&self.far) {
-            if is_sky(light) {
+            if light.is_sky() {
                 *level *= arriving;
             }
         }
@@ -96,7 +91,7 @@ impl<'f> SampledLights<'f> {
     }
 
     fn openings(&self, light: &LightSource) -> Option<&Openings> {
-        self.openings.as_ref().filter(|_| is_sky(light))
+        self.openings.as_ref().filter(|_| light.is_sky())
     }
 
     /// How much light could arrive at a point whose surface faces `side`: what the choice among

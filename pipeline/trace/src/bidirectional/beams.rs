@@ -1,7 +1,7 @@
 //! Light subpaths from afar: they come in through openings, or through a disk across the light that
 //! is as wide as the scene.
 
-use crate::openings::{Openings, is_sky, outward};
+use crate::openings::{Openings, outward};
 use glam::Vec3;
 use rrf_lights::LightSource;
 use std::f32::consts::PI;
@@ -32,7 +32,7 @@ impl Beams<'_> {
     /// sky is turned, by its mirror image, to the side of an opening.
     pub(super) fn toward(&self, source: &LightSource, u: [f32; 3]) -> Option<Vec3> {
         let mut toward = source.sample(self.center, [u[1], u[2]])?.toward;
-        if let Some(openings) = self.openings.filter(|_| is_sky(source) && u[0] < GUIDED) {
+        if let Some(openings) = self.openings.filter(|_| source.is_sky() && u[0] < GUIDED) {
             let face = openings.face(u[0] / GUIDED);
             if outward(face, toward) < 0.0 {
                 toward[face / 2] = -toward[face / 2];
@@ -48,7 +48,7 @@ impl Beams<'_> {
 
     fn ways(&self, source: &LightSource, toward: Vec3) -> Ways {
         let own = density_of(source, self.center, toward);
-        let sky = is_sky(source);
+        let sky = source.is_sky();
         let mut folded = [own; 3];
         if sky && self.openings.is_some() {
             for (axis, folded) in folded.iter_mut().enumerate() {

@@ -4,11 +4,6 @@ use super::Openings;
 use glam::Vec3;
 use rrf_lights::{Arrival, LightSource};
 
-/// Whether light comes from all around, so that openings guide to it.
-pub(crate) fn is_sky(source: &LightSource) -> bool {
-    matches!(source, LightSource::Environment(_))
-}
-
 /// A direction to a light for light that is to arrive at `at`, by three numbers in [0, 1).
 pub(crate) fn aim(
     source: &LightSource,
@@ -16,7 +11,7 @@ pub(crate) fn aim(
     at: Vec3,
     u: [f32; 3],
 ) -> Option<Vec3> {
-    let guided = openings.filter(|openings| is_sky(source) && u[0] < openings.share());
+    let guided = openings.filter(|openings| source.is_sky() && u[0] < openings.share());
     match guided {
         Some(openings) => {
             let through = openings.sample([u[0] / openings.share(), u[1], u[2]])?;
@@ -34,7 +29,7 @@ pub(crate) fn aim_density(
     toward: Vec3,
 ) -> f32 {
     let own = source.density(at, toward);
-    match openings.filter(|_| is_sky(source)) {
+    match openings.filter(|_| source.is_sky()) {
         Some(openings) => {
             let share = openings.share();
             (1.0 - share) * own + share * openings.angle_density(at, toward)

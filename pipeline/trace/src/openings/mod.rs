@@ -7,7 +7,7 @@
 mod aim;
 mod pilot;
 
-pub(crate) use aim::{aim, aim_density, is_sky};
+pub(crate) use aim::{aim, aim_density};
 pub(crate) use pilot::Walks;
 
 use glam::Vec3;

@@ -71,7 +71,7 @@ impl<'a> SourceLight<'a> {
 
 impl DirectLight for SourceLight<'_> {
     fn arrivals(&self, at: &Receiver, id: ReceiverId, arrive: &mut dyn FnMut(IncidentLight)) {
-        if matches!(self.source, LightSource::Environment(_)) {
+        if self.source.is_sky() {
             return self.sky(at, id, arrive);
         }
         let samples = self.numbers.each.max(1);
@@ -93,7 +93,6 @@ impl DirectLight for SourceLight<'_> {
     }
 
     fn surrounding(&self, toward: Vec3) -> Option<Vec3> {
-        let is_sky = matches!(self.source, LightSource::Environment(_));
-        is_sky.then(|| self.source.radiance(toward))
+        self.source.is_sky().then(|| self.source.radiance(toward))
     }
 }
