@@ -39,6 +39,20 @@ pub enum LightUnits {
     Raw,
 }
 
+impl LightUnits {
+    /// All of them.
+    pub const ALL: [LightUnits; 3] = [LightUnits::Spec, LightUnits::Compat, LightUnits::Raw];
+
+    /// Name of the choice on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            LightUnits::Spec => "spec",
+            LightUnits::Compat => "compat",
+            LightUnits::Raw => "raw",
+        }
+    }
+}
+
 /// A sky that a user gives a scene, with +y up.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SkyOption {

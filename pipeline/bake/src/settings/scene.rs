@@ -61,16 +61,19 @@ impl SkyArgs {
 }
 
 fn light_units() -> impl TypedValueParser<Value = LightUnits> {
-    let named = |name: &'static str, help: &'static str| PossibleValue::new(name).help(help);
-    PossibleValuesParser::new([
-        named("spec", "Candela, as the specification says"),
-        named("compat", "Radiometric, W/sr"),
-        named("raw", "Blender's own watts"),
-    ])
-    .map(|name| match name.as_str() {
-        "compat" => LightUnits::Compat,
-        "raw" => LightUnits::Raw,
-        _ => LightUnits::Spec,
+    let value = |units: LightUnits| {
+        PossibleValue::new(units.name()).help(match units {
+            LightUnits::Spec => "Candela, as the specification says",
+            LightUnits::Compat => "Radiometric, W/sr",
+            LightUnits::Raw => "Blender's own watts",
+        })
+    };
+    PossibleValuesParser::new(LightUnits::ALL.map(value)).map(|name| {
+        let named = LightUnits::ALL
+            .into_iter()
+            .find(|units| units.name() == name);
+        // the parser lets no other name pass
+        named.unwrap_or_default()
     })
 }
 

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 use rrf_metrics::{FrameMetric, Pair, Picture, compare};
 use rrf_render::png::Shown;
 use rrf_render::{exr, png};
-use rrf_scene::{LightUnits, LoadOptions, SkySource};
+use rrf_scene::{LoadOptions, SkySource};
 use rrf_store::manifest::RunManifest;
 use std::io::Cursor;
 use std::path::Path;
@@ -108,14 +108,9 @@ pub(super) fn frames(
 
 /// A command that reads a scene file as the run did.
 fn read_by<'c>(call: Call<'c>, options: &LoadOptions) -> Call<'c> {
-    let units = match options.light_units {
-        LightUnits::Spec => "spec",
-        LightUnits::Compat => "compat",
-        LightUnits::Raw => "raw",
-    };
     let call = call
         .option("--default-albedo", options.default_albedo.to_string())
-        .option("--light-units", units);
+        .option("--light-units", options.light_units.name());
     let Some(sky) = &options.sky else {
         return call;
     };
