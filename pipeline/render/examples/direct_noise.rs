@@ -13,11 +13,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "../tests/direct_light/dark.rs"]
+mod dark;
+
 use glam::Vec3;
-use rrf_field::model::{CellModel, Kind};
-use rrf_field::net::Shape;
-use rrf_field::tree::Tree;
-use rrf_field::{Field, columns};
 use rrf_lights::{LightSource, OwnLight};
 use rrf_metrics::color::luminance;
 use rrf_metrics::tone::Exposure;
@@ -30,27 +29,6 @@ use std::time::Instant;
 const BLOCK: usize = 8;
 /// Chance that the largest of all z is beyond its bound.
 const SIGNIFICANCE: f64 = 1e-3;
-
-/// Nets of zeros: only direct light is looked at.
-fn no_field() -> Field {
-    let shape = Shape {
-        sizes: vec![1, 1, 3],
-    };
-    let model = CellModel {
-        cell: 0,
-        kind: Kind::Net,
-        inputs: vec![columns::P as u8],
-        input_offset: vec![0.0],
-        input_scale: vec![1.0],
-        weights: vec![0.0; shape.weights()],
-        shape,
-        output_scale: [1.0; 3],
-        output_offset: [0.0; 3],
-        divide_base: false,
-        exponential: false,
-    };
-    Field::new(Tree::single(), vec![model]).unwrap()
-}
 
 /// Mean and squared standard error of each column of independent rows.
 fn moments(rows: &[Vec<f64>]) -> Vec<[f64; 2]> {
@@ -123,7 +101,7 @@ fn main() {
         sources: sources.cloned().collect(),
         ..Lights::default()
     };
-    let field = no_field();
+    let field = dark::field();
     let renderer = Renderer::new(&tracer, &field);
     let narrow_rays = number("narrow", 0.0) as u32;
     let render = |rays: Option<ShadowRays>, noise: Option<f32>, seed: u64| -> Vec<Vec3> {

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod dark;
 mod support;
 mod window;
 
