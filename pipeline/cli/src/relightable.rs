@@ -5,10 +5,9 @@ use crate::baked::{Baked, BakedModel};
 use crate::failure::BadInput;
 use rrf_export::transfer::{TensorLight, write_transfer_tensors};
 use rrf_lights::LightSource;
-use rrf_render::MOST_RESIDUAL;
 use rrf_scene::Scene;
 use rrf_trace::Tracer;
-use rrf_transfer::LightBook;
+use rrf_transfer::{LightBook, TRUST_ERROR};
 use std::path::Path;
 
 /// Writes the model of a run and the light that each light of a frame throws on its patches; returns how many
@@ -19,9 +18,13 @@ pub fn write_relightable(
     file: &Path,
     facts: &[(&str, String)],
 ) -> anyhow::Result<usize> {
-    let baked = Baked::open(run, MOST_RESIDUAL)?;
+    let baked = Baked::open(run, TRUST_ERROR)?;
     let BakedModel::Transfer(model) = &baked.model else {
-        return Err(BadInput(format!("{}: is no transfer", run.display())).into());
+        return Err(BadInput(format!(
+            "{}: is a run of nets, which have no lights to write beside them",
+            run.display()
+        ))
+        .into());
     };
     let scene = camera.relit(&baked.scene)?;
     // says so where none shines

@@ -1,4 +1,4 @@
-//! TransferRows of the transfer: what one unit of irradiance on each patch adds at a point.
+//! Rows of the transfer: what one unit of irradiance on each patch adds at a point.
 //!
 //! Paths leave the point toward the scene without any light. Each vertex after the point itself
 //! would send on the direct light of its patch: it deposits in the patch's column what one unit

@@ -1,4 +1,4 @@
-//! What the folder of a run tells of its model.
+//! The columns of a sweep's row that a run's folder tells.
 
 use super::grid::Setting;
 use super::results::SweepRow;
