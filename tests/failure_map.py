@@ -47,12 +47,16 @@ SECONDS = 120
 ONE, WHOLE = "one round", f"whole bake, {SECONDS} s"
 CONSEQUENCES = """## What the program then does
 
-`bake` says that the target was missed and how many cells miss it, `metrics.arrow` and `rrf report` say which;
-`render` and the page of `rrf view` warn of a light that is nearer to a surface than 2.5 % of the light
-box's diagonal (0.07 m in the room above) or outside the box; `render` refuses one inside a solid (`--anyway`). Points outside what a cell was
-trained on, and those of cells with an error above `--trust-error` (50 %), are marked (`trusted`, layer `trust`);
-`render --fallback trace` path-traces such pixels, and `rrf trace` the whole frame. Sharp reflections are not for
-nets of this size: below a roughness of some 0.2, where a whole bake leaves 15 % and more, path-trace."""
+`bake` says that the target was missed and by how many cells. `metrics.arrow` and `rrf report` name these cells.
+
+`render` and the page of `rrf view` warn of a light outside the light box. They also warn of one that is nearer to a surface than
+2.5 % of the box's diagonal, 0.07 m in the room above. `render` refuses a light inside a solid, unless `--anyway` is given.
+
+Answers that cannot be trusted are marked: by `trusted` in tables, by the layer `trust` in frames. They are points outside of what a
+cell was trained on, and cells with an error above `--trust-error` (50 %). `render --fallback trace` path-traces such pixels,
+and `rrf trace` the whole frame.
+
+Sharp reflections are not for nets of this size. Below a roughness of some 0.2 a whole bake leaves 15 % and more: path-trace there."""
 GEOMETRY = [a + b for a in ("p", "n", "v", "l") for b in "xyz"]
 
 
@@ -208,10 +212,12 @@ def main():
     args = parser.parse_args()
     args.work.mkdir(parents=True, exist_ok=True)
     folder = HERE.parent / "docs" / "science" if args.scale == 1 else args.work
-    page = ["# Failure map", "", "Made by `.venv-peers/bin/python tests/failure_map.py`. *One round*: "]
-    page[-1] += f"{CELLS_FIXED} cells, {ROWS:,} rows of {PATHS_FIXED} paths where nothing else is said. "
-    page[-1] += f"*Whole bake*: the standard preset, target 5%, {SECONDS} s at the most on two cores. "
-    page[-1] += f"Relative error on test rows, ± its standard error. Beyond {LIMIT:.0%} (dashed) a frame shows it at a glance."
+    page = ["# Failure map", "", "Where radiance regression with the light as an input (`--method nets`) stops being usable. "]
+    page[-1] += "Made by `.venv-peers/bin/python tests/failure_map.py`.\n\n"
+    page[-1] += f"*One round*: {CELLS_FIXED} cells, {ROWS:,} rows of {PATHS_FIXED} paths unless a section varies them. "
+    page[-1] += f"*Whole bake*: the standard preset, target 5 %, {SECONDS} s at most on two cores. "
+    page[-1] += "Errors are relative errors on test rows, ± their standard error. "
+    page[-1] += f"Beyond {LIMIT:.0%} (dashed) a frame shows the error at a glance."
     page.append("")
 
     rough = {ONE: [], WHOLE: []}
@@ -219,17 +225,17 @@ def main():
         scene = with_roughness(r, args.work / f"rough-{r}.glb")
         for kind, make in ((ONE, one_round), (WHOLE, whole)):
             rough[kind].append((r, *make(args, f"rough-{r}", scene, OVERHEAD)[1]))
-    text = "The glossy room with one roughness on every surface; back wall and tall box are metal."
+    text = "The glossy room with one roughness on every surface. Back wall and tall box are metal."
     page += section(folder, "roughness", "Roughness", "roughness", ROUGHNESS, ROUGHNESS, rough, text)
 
     rows = [(n, *one_round(args, "free", CORNELL, FREE, paths=n)[1]) for n in PATHS]
-    text = "The Cornell box, lights anywhere: noise of the samples up to some 32 paths a row, then what one net can do "
-    text += "with a cell of this size."
+    text = "The Cornell box, lights anywhere. Up to some 32 paths a row the samples' noise limits the error. "
+    text += "Beyond, a net limits it, by what it can do with a cell of this size."
     page += section(folder, "paths", "Paths a row", "paths a row", PATHS, PATHS, {ONE: rows}, text)
 
     rows = [(n, *one_round(args, "free", CORNELL, FREE, cells=n)[1]) for n in CELLS]
-    text = "The same rows shared out to more and more cells. Cells alone are not enough, nor are paths: the rounds of a "
-    text += "bake put both where the error is; in 5½ minutes they reach 5.3 % here ([accuracy](report.md))."
+    text = "The same rows shared out to more and more cells. Neither cells nor paths are enough alone. The rounds of a "
+    text += "bake put both where the error is. In 5½ minutes they reach 5.3 % here ([Report](report.md))."
     page += section(folder, "cells", "Cells", "cells", CELLS, CELLS, {ONE: rows}, text)
 
     kinds = ((ONE, one_round), (WHOLE, whole))

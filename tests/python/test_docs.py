@@ -75,23 +75,50 @@ def test_no_text_is_taken_for_a_tag(page):
     assert re.findall(r"<[A-Za-z][^>]*>", "\n".join(lines)) == []
 
 
-def sentences(page):
-    """The sentences of a page's paragraphs, as words; code, tables and headings left out."""
-    kept = [line for line in page.read_text().splitlines() if not re.match(r" {4}|[|#!]|```", line)]
+# pages whose words are the program's own, or history
+GENERATED = ["command-line", "files", "inputs"]
+PROSE = [ROOT / "README.md", *(p for p in sorted(ROOT.glob("docs/*/*.md")) if p.stem not in GENERATED)]
+# still to be brought under the bound
+LONG = ["training", "direct-light", "frames", "peers-training", "transfer"]
+
+
+def sentences(text):
+    """The sentences of a page's paragraphs and lists, as words; code, tables and headings left out."""
+    kept, fenced = [], False
+    for line in text.splitlines():
+        fenced ^= line.startswith("```")
+        if fenced or re.match(r" {4}\S|[|#!]|```|<!--", line):
+            kept.append("")
+        else:
+            item = re.match(r"([-*]|\d+\.) ", line)
+            kept += ["", line[item.end() :]] if item else [line]
     text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", "\n".join(kept))
-    for paragraph in re.split(r"\n\s*\n", re.sub(r"`[^`]*`", "CODE", text)):
-        for sentence in re.split(r"(?<=[.:?!])\s+(?=[A-Z*`])", paragraph):
-            if words := re.findall(r"[\w./%-]*\w[\w./%-]*", sentence):
+    text = re.sub(r"`[^`]*`", "CODE", text)
+    # an abbreviation ends a sentence only where another begins
+    text = re.sub(r"et al\.(?! [A-Z])", "et al", text)
+    # what closes a sentence may stand in bold or in brackets; a colon closes one if a new one begins
+    end = r"(?<=[.:?!])[*)”]*\s+(?=[A-Z*\d(\u0370-\u03ff])|(?<=[.:?!])[*)”]+\s+"
+    for paragraph in re.split(r"\n\s*\n", text):
+        for sentence in re.split(end, paragraph):
+            if words := [word for word in sentence.split() if re.search(r"\w", word)]:
                 yield words
 
 
-def test_the_readme_is_short_and_its_sentences_too():
-    page = ROOT / "README.md"
-    assert len(page.read_text().splitlines()) <= 100
-    long = [" ".join(words) for words in sentences(page) if len(words) > 25]
-    assert long == []
-    lengths = [len(words) for words in sentences(page)]
-    assert sum(lengths) / len(lengths) <= 15
+def test_sentences_are_found():
+    text = "# A head\n\nOne is\nhere. 2 more (as et al. say). **Bold.** Then `x. Y`: end\n\n    code. Code\n\n- item one\n- item\n  two\n\n| a. B |"
+    found = [" ".join(words) for words in sentences(text)]
+    assert found == ["One is here.", "2 more (as et al say).", "**Bold.", "Then CODE: end", "item one", "item two"]
+
+
+@pytest.mark.parametrize("page", [page for page in PROSE if page.stem not in LONG], ids=identifier)
+def test_sentences_are_short(page):
+    found = list(sentences(page.read_text()))
+    assert [" ".join(words) for words in found if len(words) > 25] == []
+    assert sum(map(len, found)) <= 15 * len(found)
+
+
+def test_the_readme_is_short():
+    assert len((ROOT / "README.md").read_text().splitlines()) <= 100
 
 
 def test_every_page_is_in_the_summary():
