@@ -79,7 +79,7 @@ def test_no_text_is_taken_for_a_tag(page):
 GENERATED = ["command-line", "files", "inputs"]
 PROSE = [ROOT / "README.md", *(p for p in sorted(ROOT.glob("docs/*/*.md")) if p.stem not in GENERATED)]
 # still to be brought under the bound
-LONG = ["direct-light", "frames", "peers-training"]
+LONG = ["direct-light", "frames"]
 
 
 def sentences(text):
