@@ -78,8 +78,6 @@ def test_no_text_is_taken_for_a_tag(page):
 # pages whose words are the program's own, or history
 GENERATED = ["command-line", "files", "inputs"]
 PROSE = [ROOT / "README.md", *(p for p in sorted(ROOT.glob("docs/*/*.md")) if p.stem not in GENERATED)]
-# still to be brought under the bound
-LONG = ["direct-light", "frames"]
 
 
 def sentences(text):
@@ -110,7 +108,7 @@ def test_sentences_are_found():
     assert found == ["One is here.", "2 more (as et al say).", "**Bold.", "Then CODE: end", "item one", "item two"]
 
 
-@pytest.mark.parametrize("page", [page for page in PROSE if page.stem not in LONG], ids=identifier)
+@pytest.mark.parametrize("page", PROSE, ids=identifier)
 def test_sentences_are_short(page):
     found = list(sentences(page.read_text()))
     assert [" ".join(words) for words in found if len(words) > 25] == []
