@@ -21,7 +21,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from export_cells import rows_of
-from training import ROOT, rrf_truth, write
+from training_task import ROOT, rrf_truth, write
 
 mi.set_variant("llvm_ad_rgb")
 PROBES, STEPS, STARTS = 256, 40, (2, 3)
