@@ -42,6 +42,35 @@ COLOURS = """() => {
 }"""
 
 
+# words that leave a box which hides them, or come within two pixels of a border beside them
+CUT = """() => {
+    const found = [];
+    for (const e of document.querySelectorAll("header *, aside *, dialog *")) {
+        if (!e.checkVisibility() || ![...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim())) continue;
+        const range = document.createRange();
+        range.selectNodeContents(e);
+        const words = e.closest("svg") ? e.getBoundingClientRect() : range.getBoundingClientRect();
+        if (words.left < 0 || words.right > document.documentElement.clientWidth) {
+            found.push(`outside: ${e.textContent.trim().slice(0, 30)}`);
+            continue;
+        }
+        for (let at = e; at.parentElement; at = at.parentElement) {
+            const style = getComputedStyle(at), box = at.getBoundingClientRect();
+            // dots say that there is more
+            if (style.textOverflow === "ellipsis") break;
+            const border = parseFloat(style.borderLeftWidth) > 0 && parseFloat(style.borderRightWidth) > 0;
+            const near = at === e && border ? 2 + parseFloat(style.borderLeftWidth) : 0;
+            const hides = style.overflowX !== "visible" || border;
+            if (hides && (words.left < box.left + near - 0.5 || words.right > box.right - near + 0.5)) {
+                found.push(`${at.tagName}#${at.id}: ${e.textContent.trim().slice(0, 30)}`);
+                break;
+            }
+        }
+    }
+    return found;
+}"""
+
+
 def luminance(rgb):
     """Relative luminance as WCAG defines it."""
     linear = [c / 255 / 12.92 if c / 255 <= 0.04045 else ((c / 255 + 0.055) / 1.055) ** 2.4 for c in rgb]
@@ -200,6 +229,35 @@ def test_every_screen_shows_picture_warnings_and_controls(browser, server, size,
         page.screenshot(path=f"{folder}/truth-{width}.png")
     viewer.clean(server)
     page.close()
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_no_word_is_cut_off(browser, server, size):
+    viewer = Viewer(browser, server, *size)
+    page = viewer.page
+    viewer.change(lambda: page.click("#add-sun"))
+    assert page.is_visible("#dial")
+    page.evaluate("$('help').show()")
+    assert page.evaluate(CUT) == []
+    # the measure finds what is cut off
+    page.evaluate("$('help').close(); $('dial').style.overflow = 'hidden'")
+    assert page.evaluate(CUT) == ["svg#dial: +x"]
+    page.evaluate("$('dial').style.overflow = ''; document.querySelector('#modes span').textContent = 'm'.repeat(60)")
+    assert any("mmm" in told for told in page.evaluate(CUT))
+    viewer.clean(server)
+    page.close()
+
+
+def test_fields_of_a_light_are_there_with_a_light(viewer):
+    page = viewer.page
+    viewer.change(lambda: page.click("#add"))
+    assert page.is_visible("#colour") and page.is_visible("#watts") and page.is_visible("#x")
+    while page.evaluate("lights.length"):
+        viewer.change(lambda: page.click("#remove"))
+    assert page.is_hidden("#colour") and page.is_hidden("#watts") and page.is_hidden("#x")
+    assert page.is_disabled("#remove")
+    viewer.change(lambda: page.click("#add"))
+    assert page.is_visible("#colour") and page.is_enabled("#remove")
 
 
 def test_contrast_is_enough_everywhere(viewer):

@@ -133,7 +133,7 @@ function connect() {
 
 function begin(hello) {
   start = hello;
-  $("run").textContent = `${hello.run}: ${hello.cells} nets, ${hello.triangles} triangles`;
+  $("run").textContent = `${hello.run}: ${hello.cells} cells, ${hello.triangles} triangles`;
   document.title = `${hello.run} - rrf view`;
   lights = hello.lights.map((l) => {
     const watts = Math.max(...l.slice(3)) || 1;

@@ -30,7 +30,8 @@ function listLights() {
     return item;
   }));
   const light = lights[chosen];
-  for (const id of ["remove", "colour", "power", "watts", "x", "y", "z"]) $(id).disabled = !light;
+  $("remove").disabled = !light;
+  for (const line of document.querySelectorAll(".of-light")) line.hidden = !light;
   $("add").disabled = lights.length >= 64;
   if (!light) return;
   $("colour").value = css(light.colour);
