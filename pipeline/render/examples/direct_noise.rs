@@ -2,9 +2,11 @@
 //! the bound their noise comes, and what they cost.
 //!
 //! ```text
-//! cargo run --release -p rrf-render --example direct_noise -- SCENE [sky=FILE.exr] [size=96x64] [seeds=32] [rays=1024] [noise=0.01] [narrow=4] [picture=F.png]
+//! cargo run --release -p rrf-render --example direct_noise -- SCENE [sky=FILE.exr] [size=96x64] [seeds=32] [rays=1024] [noise=0.01] [narrow=4] [fixed=64] [only=LIGHT] [ev=0] [worst=10] [picture=F.png]
 //! ```
 //!
+//! `only` a light, or `lamps`, shines; `ev` is an exposure in place of the automatic one; `worst` pixels are told.
+//! `fixed` shadow rays of each camera ray take the bound's place.
 //! `narrow` rays of a pixel go into lobes that are narrow, but not as a mirror's.
 //! Frames of `seeds` seeds go down to the bound, as `rrf render --part direct` does; as many more have
 //! `rays` plain shadow rays each, which choose lights uniformly and learn nothing. Blocks of 8 x 8
@@ -94,10 +96,12 @@ fn main() {
     let tracer = Tracer::new(&scene).unwrap();
     let lamps = AreaLights::without_proxies(&scene);
     let is_point = |light: &&OwnLight| matches!(light.source, LightSource::Point(_));
-    let sources = scene.lights.iter().filter(|light| !is_point(light));
+    let is_asked = |name: &str| word("only").is_none_or(|only| only == name);
+    let others = scene.lights.iter().filter(|light| !is_point(light));
+    let sources = others.filter(|light| is_asked(&light.name));
     let lights = Lights {
         points: scene.points().collect(),
-        area: !scene.area_lights.is_empty(),
+        area: !scene.area_lights.is_empty() && is_asked("lamps"),
         sources: sources.cloned().collect(),
         ..Lights::default()
     };
@@ -120,6 +124,7 @@ fn main() {
             .unwrap();
         frame.full
     };
+    let ev = word("ev").map(|ev| ev.parse().expect("a number"));
     let mut small = Frame {
         width,
         height,
@@ -127,7 +132,9 @@ fn main() {
         ..Frame::default()
     };
     let exposure = Exposure::automatic(&small.picture());
-    let noise = number("noise", 0.01) as f32 * (-exposure.ev).exp2();
+    let ev = ev.unwrap_or(exposure.ev);
+    println!("exposure: {ev}");
+    let noise = number("noise", 0.01) as f32 * (-ev).exp2();
     if let Some(file) = word("picture") {
         small.full = render(None, Some(noise), 1);
         let shown = png::tone_mapped(&small.picture(), exposure);
@@ -150,7 +157,11 @@ fn main() {
         let frames: Vec<Vec<f64>> = frames.collect();
         (frames, start.elapsed().as_secs_f64() / seeds as f64)
     };
-    let (learned, learned_s) = frames(None, Some(noise), 1);
+    let fixed = word("fixed").map(|rays| ShadowRays {
+        count: rays.parse().expect("a number"),
+        ..ShadowRays::default()
+    });
+    let (learned, learned_s) = frames(fixed, Some(noise), 1);
     let (plain, plain_s) = frames(Some(plain), None, 1_000_000);
 
     let pixels = moments(&learned);
@@ -161,6 +172,15 @@ fn main() {
     let rms = (deviations.iter().map(|d| d * d).sum::<f64>() / deviations.len() as f64).sqrt();
     let worst = (0..deviations.len()).max_by(|&a, &b| deviations[a].total_cmp(&deviations[b]));
     let worst = worst.map_or([0, 0], |p| [p % width as usize, p / width as usize]);
+    if let Some(count) = word("worst") {
+        let mut order: Vec<usize> = (0..deviations.len()).collect();
+        order.sort_by(|&a, &b| deviations[b].total_cmp(&deviations[a]));
+        for &pixel in order.iter().take(count.parse().expect("a number")) {
+            let place = [pixel % width as usize, pixel / width as usize];
+            let [deviation, mean] = [deviations[pixel], pixels[pixel][0] / unit];
+            println!("{place:?}: noise {deviation:.1}, light {mean:.1} bounds");
+        }
+    }
     deviations.sort_by(f64::total_cmp);
     let quantile = |q: f64| deviations[(q * (deviations.len() - 1) as f64) as usize];
     let far = |frame: &Vec<f64>| {

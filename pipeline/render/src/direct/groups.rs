@@ -1,7 +1,7 @@
 //! Lights to be sampled, in groups.
 
 use super::emitter::Emitter;
-use super::light_tree::LightTree;
+use super::light_tree::{Descent, LightTree};
 use crate::tile::VisiblePoints;
 use glam::Vec3;
 use rrf_lights::{Arrival, LightSource};
@@ -218,12 +218,13 @@ impl SampledLights<'_> {
         row: usize,
         (group, left): (u32, f32),
         [u0, u1]: [f32; 2],
+        descent: &mut Descent,
     ) -> Option<(End, f32)> {
         let Some(far) = (group as usize).checked_sub(self.tree.groups()) else {
             let (point, side) = (&seen.points[row], seen.side(row));
-            let (light, share) = self
-                .tree
-                .choose(group as usize, point.position, side, left)?;
+            let (light, share) =
+                self.tree
+                    .choose(group as usize, (point.position, side), left, descent)?;
             return Some((self.end_of(seen, row, light, [0.0, u0, u1])?, share));
         };
         let light = (self.emitters.len() + far) as u32;

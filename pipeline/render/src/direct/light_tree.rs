@@ -125,32 +125,80 @@ impl LightTree {
     }
 
     /// A light of a group by a number in [0, 1), and its probability in the group; `None` where
-    /// the whole group cannot reach `x`.
-    pub(crate) fn choose(&self, group: usize, x: Vec3, n: Vec3, u: f32) -> Option<(u32, f32)> {
-        let mut node = self.nodes.get(*self.groups.get(group)? as usize)?;
-        let (mut u, mut probability) = (u, 1.0);
+    /// the whole group cannot reach `x`. Keeps its way down for numbers of the same point that follow.
+    pub(crate) fn choose(
+        &self,
+        group: usize,
+        (x, n): (Vec3, Vec3),
+        u: f32,
+        descent: &mut Descent,
+    ) -> Option<(u32, f32)> {
+        let root = *self.groups.get(group)?;
+        let way = &mut descent.way;
+        if way.first().is_none_or(|step| step.node != root) {
+            way.clear();
+            way.push(Step {
+                node: root,
+                from: 0.0,
+                probability: 1.0,
+            });
+        }
+        while way.len() > 1 && way.last().is_some_and(|step| !step.holds(u)) {
+            way.pop();
+        }
         loop {
-            let [left, right] = match node.below {
-                Below::Emitter(id) => return Some((id, probability)),
-                Below::Nodes(nodes) => nodes.map(|id| &self.nodes[id as usize]),
+            let step = *way.last()?;
+            let [left, right] = match self.nodes[step.node as usize].below {
+                Below::Emitter(id) => return Some((id, step.probability)),
+                Below::Nodes(nodes) => nodes,
             };
-            let (a, b) = (left.reach(x, n), right.reach(x, n));
+            let [a, b] = [left, right].map(|node| self.nodes[node as usize].reach(x, n));
             let sum = a + b;
             if sum.is_nan() || sum <= 0.0 {
                 return None;
             }
-            let share = a / sum;
-            if u < share {
-                u /= share;
-                probability *= share;
-                node = left;
-            } else {
-                u = (u - share) / (1.0 - share);
-                probability *= 1.0 - share;
-                node = right;
-            }
-            u = u.clamp(0.0, 1.0 - 0.5 * f32::EPSILON);
+            let before = step.probability * (a / sum);
+            let goes_left = b == 0.0 || a > 0.0 && u < step.from + before;
+            way.push(match goes_left {
+                true => Step {
+                    node: left,
+                    probability: before,
+                    ..step
+                },
+                false => Step {
+                    node: right,
+                    from: step.from + before,
+                    probability: step.probability * (b / sum),
+                },
+            });
         }
+    }
+}
+
+/// A way down the tree, to the light that was chosen last.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Descent {
+    way: Vec<Step>,
+}
+
+/// A node on the way: numbers from `from` on lead there, over as much as its probability.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    node: u32,
+    from: f32,
+    probability: f32,
+}
+
+impl Descent {
+    /// Forgets the way: another point follows.
+    pub(crate) fn clear(&mut self) {
+        self.way.clear();
+    }
+}
+
+impl Step {
+    fn holds(&self, u: f32) -> bool {
+        self.from <= u && u < self.from + self.probability
     }
 }
 

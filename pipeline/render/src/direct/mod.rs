@@ -1,9 +1,12 @@
 //! Light straight from the lights: points and parallel light exactly, all others by sampling.
 
 pub(crate) mod emitter;
+mod gain;
 mod groups;
 mod light_tree;
+mod numbers;
 mod plan;
+mod planned;
 mod points;
 mod rows;
 mod sampled;

@@ -2,10 +2,13 @@
 
 /// Rays of the first round at the most.
 const FIRST: u32 = 8;
-/// Rays of the second round at the least where a bound decides.
+/// Numbers of the rounds' random numbers: the first has 0.
+pub(super) const TRIALS: [u32; 2] = [1, 2];
+pub(super) const LAST: u32 = 3;
+/// Rays of the last round at the least where a bound decides.
 pub(super) const SECOND: u32 = 8;
 /// Rays of a pixel at the most where a bound decides.
-const MOST: u32 = 512;
+const MOST: u32 = 1024;
 
 /// Number and choice of shadow rays.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,15 +4,18 @@
 //! A first round of shadow rays goes out by that alone. It tells each block of 8 x 8 pixels which
 //! groups are hidden (Donikian, Walter, Bala, Fernandez, Greenberg, *Accurate Direct
 //! Illumination Using Iterative Adaptive Sampling*, IEEE TVCG 12(3), 2006), and how much the
-//! rays of each pixel differ. The second round avoids hidden groups and, where a bound on the noise
-//! is given, has as many rays as the bound needs, and counts alone.
+//! rays of each pixel differ. The last round avoids hidden groups and, where a bound on the noise
+//! is given, has as many rays as the bound needs ([`super::planned`]), and counts alone.
 //!
-//! Unbiased: given what the first round found, the second one's mean is; both are added with
+//! Unbiased: given what the other rounds found, the last one's mean is; both are added with
 //! weights that are fixed before either. (A mean of all rays, whose number depends on the first
 //! ones, would not be.)
 
+use super::gain::SpreadGain;
 use super::groups::{End, SampledLights};
-use super::plan::{Rounds, SECOND, ShadowRays};
+use super::light_tree::Descent;
+use super::numbers::{AmongRows, RayNumbers};
+use super::plan::{LAST, Rounds, ShadowRays};
 use super::rows::Rows;
 use super::visibility::BlockVisibility;
 use crate::timings::{FrameStage, Stopwatch};
@@ -20,6 +23,7 @@ use glam::Vec3;
 use rrf_metrics::color::luminance;
 use rrf_sampling::{Stage, Stream};
 use rrf_trace::{Rays, Tracer};
+use std::cell::OnceCell;
 
 /// Working columns, made once a thread.
 #[derive(Clone, Debug, Default)]
@@ -27,25 +31,28 @@ pub struct SampledLighting {
     /// Radiance [W·sr⁻¹·m⁻²] of each visible point after [`SampledLighting::shade`].
     pub radiance: Vec<Vec3>,
     rays: Rays,
-    blocked: Vec<bool>,
-    arriving: Vec<ShadowRay>,
-    learned: BlockVisibility,
+    pub(super) blocked: Vec<bool>,
+    pub(super) arriving: Vec<ShadowRay>,
+    pub(super) learned: BlockVisibility,
     /// How much of each group could reach each row, row by row.
-    reach: Vec<f32>,
+    pub(super) reach: Vec<f32>,
     /// Sums of the round's values, row by row.
-    sums: Vec<Vec3>,
+    pub(super) sums: Vec<Vec3>,
     /// Rays of each row in the round at hand.
-    counts: Vec<u32>,
+    pub(super) counts: Vec<u32>,
     /// Cumulative probabilities of one row's groups.
     upto: Vec<f32>,
+    /// The way of one row's last ray down the light tree.
+    descent: Descent,
+    pub(super) gain: SpreadGain,
 }
 
 /// A shadow ray's row and group and, unless it is blocked, radiance over its probability.
 #[derive(Clone, Copy, Debug)]
-struct ShadowRay {
-    row: u32,
-    group: u32,
-    value: Vec3,
+pub(super) struct ShadowRay {
+    pub(super) row: u32,
+    pub(super) group: u32,
+    pub(super) value: Vec3,
     /// How much of all groups could reach the row.
     reach: f32,
 }
@@ -54,9 +61,9 @@ struct ShadowRay {
 pub(crate) type Pixels = (u64, u32);
 
 /// Parameters that all rays of a tile share.
-struct Aim<'a> {
+pub(super) struct Aim<'a> {
     tracer: &'a Tracer<'a>,
-    rows: Rows<'a>,
+    pub(super) rows: Rows<'a>,
     lights: &'a SampledLights<'a>,
     plan: ShadowRays,
     stream: Stream,
@@ -107,24 +114,39 @@ impl SampledLighting {
             .extend((0..count).map(|row| rows.worth(row, rounds.first)));
         self.round(&aim, 0, watch);
         self.add(rounds.first_weight);
-        self.plan_second(plan, rounds, rows, lights.groups());
-        self.round(&aim, 1, watch);
+        match plan.noise {
+            None => {
+                let counts = self.counts.iter_mut().enumerate();
+                counts.for_each(|(row, count)| *count = rows.worth(row, rounds.second));
+            }
+            Some(noise) => {
+                self.plan_last(&aim, noise, rounds.second.max(1), watch);
+            }
+        }
+        self.round(&aim, LAST, watch);
         self.add(1.0 - rounds.first_weight);
     }
 
     /// One round's shadow rays, traced and summed.
-    fn round(&mut self, aim: &Aim, number: u32, watch: &mut Stopwatch) {
+    pub(super) fn round(&mut self, aim: &Aim, number: u32, watch: &mut Stopwatch) {
         let seen = aim.rows.seen;
         let rows = seen.points.len();
         self.sums.clear();
         self.sums.resize(rows, Vec3::ZERO);
         self.rays.clear();
         self.arriving.clear();
-        let mut before = (u32::MAX, 0);
-        for row in 0..rows {
-            let pixel = seen.pixel[row];
-            before = (pixel, if pixel == before.0 { before.1 + 1 } else { 0 });
-            self.aim_row(aim, row, number, before.1);
+        let mut first = 0;
+        for pixel in seen.pixel.chunk_by(|a, b| a == b) {
+            let mut among = AmongRows {
+                rows: pixel.len() as u32,
+                ..AmongRows::default()
+            };
+            for row in first..first + pixel.len() {
+                self.aim_row(aim, row, number, among);
+                among.row += 1;
+                among.rays += self.counts[row];
+            }
+            first += pixel.len();
         }
         watch.end(FrameStage::Direct);
         aim.tracer.occluded(&self.rays, &mut self.blocked);
@@ -148,8 +170,8 @@ impl SampledLighting {
         watch.end(FrameStage::Direct);
     }
 
-    /// One row's shadow rays; `sub` is its place among its pixel's.
-    fn aim_row(&mut self, aim: &Aim, row: usize, number: u32, sub: u32) {
+    /// One row's shadow rays.
+    fn aim_row(&mut self, aim: &Aim, row: usize, number: u32, among: AmongRows) {
         let (seen, lights) = (aim.rows.seen, aim.lights);
         let index = aim.first + u64::from(seen.pixel[row]);
         let total = if aim.plan.adaptive {
@@ -161,9 +183,19 @@ impl SampledLighting {
             return;
         }
         let count = self.counts[row];
+        let numbers = RayNumbers::new((&aim.stream, index), number, among, count);
+        self.descent.clear();
+        let level = OnceCell::new();
         for ray in 0..count {
-            let [u, x, y, _] = aim.stream.units(index, number << 16 | ray, sub);
-            let target = ((ray as f32 + u) / count as f32).min(1.0 - 0.5 * f32::EPSILON) * total;
+            let [u, x, y] = match aim.plan.adaptive {
+                true => numbers.of(ray),
+                false => {
+                    let [u, x, y, _] = aim.stream.units(index, ray, among.row);
+                    let step = (ray as f32 + u) / count as f32;
+                    [step.min(1.0 - 0.5 * f32::EPSILON), x, y]
+                }
+            };
+            let target = u * total;
             let chosen = if aim.plan.adaptive {
                 self.group_at(target, total)
             } else {
@@ -173,7 +205,10 @@ impl SampledLighting {
                 continue;
             };
             let end = match aim.plan.adaptive {
-                true => lights.end_in_group(seen, row, (group, left), [x, y]),
+                true => {
+                    let descent = &mut self.descent;
+                    lights.end_in_group(seen, row, (group, left), [x, y], descent)
+                }
                 false => lights
                     .end_of(seen, row, group, [left, x, y])
                     .map(|end| (end, 1.0)),
@@ -181,7 +216,7 @@ impl SampledLighting {
             let Some((end, share)) = end else {
                 continue;
             };
-            self.send(aim, (row, group, total), end, probability * share);
+            self.send(aim, (row, group, total), end, probability * share, &level);
         }
     }
 
@@ -192,13 +227,14 @@ impl SampledLighting {
         (row, group, reach): (usize, u32, f32),
         end: End,
         probability: f32,
+        level: &OnceCell<f32>,
     ) {
         let seen = aim.rows.seen;
         let (point, v) = (&seen.points[row], seen.viewers[row]);
         if point.normal.dot(end.toward) * point.normal.dot(v) <= 0.0 {
             return;
         }
-        let all = || aim.lights.level_at(point.position, seen.side(row));
+        let all = || *level.get_or_init(|| aim.lights.level_at(point.position, seen.side(row)));
         let value = aim.rows.value(row, &end, &all);
         let value = end.irradiance * value / probability;
         if value == Vec3::ZERO {
@@ -257,64 +293,6 @@ impl SampledLighting {
             if count > 0 {
                 *radiance += weight / count as f32 * *sum;
             }
-        }
-    }
-
-    /// Variances of single rays of the second round, by those of the first that arrived. Tells blocks what
-    /// those of their rows would have that have found nothing themselves.
-    fn expected_variances(&mut self, rows: Rows, groups: usize) -> Vec<f32> {
-        let mut arriving = self.arriving.iter().zip(&self.blocked).peekable();
-        let mut variances = Vec::with_capacity(self.counts.len());
-        for (row, &count) in self.counts.iter().enumerate() {
-            let reach = &self.reach[row * groups..(row + 1) * groups];
-            let learned = &self.learned;
-            let sum = |share: &dyn Fn(usize) -> f32| -> f32 {
-                let groups = reach.iter().enumerate();
-                groups.map(|(group, reach)| reach * share(group)).sum()
-            };
-            let first = sum(&|_| 1.0);
-            let own = sum(&|group| learned.share(row, group));
-            let block = sum(&|group| learned.block_share(row, group));
-            let [mut own_squares, mut block_squares] = [0.0; 2];
-            while let Some((ray, &blocked)) = arriving.next_if(|(ray, _)| ray.row as usize == row) {
-                if !blocked {
-                    // probabilities of the group in the first round over those in the second
-                    let group = ray.group as usize;
-                    let y = luminance(ray.value);
-                    own_squares += y * y * own / (first * learned.share(row, group));
-                    block_squares += y * y * block / (first * learned.block_share(row, group));
-                }
-            }
-            let count = count.max(1) as f32;
-            let mean = luminance(self.sums[row]) / count;
-            let throughput = rows.throughput(row);
-            let variance = |squares: f32| {
-                let own = (squares - count * mean * mean) / (count - 1.0).max(1.0);
-                own.max(0.0) * throughput * throughput
-            };
-            variances.push(variance(own_squares));
-            self.learned.note_variance(row, variance(block_squares));
-        }
-        variances
-    }
-
-    /// Rays of each row in the second round, from the variance of the first.
-    fn plan_second(&mut self, plan: ShadowRays, rounds: Rounds, rows: Rows, groups: usize) {
-        let Some(noise) = plan.noise else {
-            let counts = self.counts.iter_mut().enumerate();
-            counts.for_each(|(row, count)| *count = rows.worth(row, rounds.second));
-            return;
-        };
-        let variances = self.expected_variances(rows, groups);
-        let allowances = rows.allowances();
-        for (row, &own) in variances.iter().enumerate() {
-            // a pixel's rays may have missed what its neighbours found
-            let variance = own.max(self.learned.variance(row));
-            let bound = noise * noise * allowances[row];
-            let wanted = (variance / bound).ceil();
-            let most = plan.count.saturating_sub(rounds.first).max(1);
-            let least = rows.worth(row, SECOND.min(most));
-            self.counts[row] = (wanted as u32).clamp(least, most);
         }
     }
 }

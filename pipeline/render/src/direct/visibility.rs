@@ -15,10 +15,15 @@ pub(crate) struct BlockVisibility {
     groups: usize,
     /// Block of each row.
     block: Vec<u32>,
+    /// Whether trial rays go out from each row.
+    trial: Vec<bool>,
     /// Rays of each block to each group, and the sum of squares of what they brought, over what could
     /// have been.
     looked: Vec<u32>,
     brought: Vec<f32>,
+    /// Rays of each block that brought something, and the sum of squares of all.
+    arrived: Vec<u32>,
+    squares: Vec<f32>,
     /// Groups that rays of each row itself have reached, row by row.
     found: Vec<bool>,
     /// Rows of each block, and the sum of their variances.
@@ -36,6 +41,13 @@ impl BlockVisibility {
         });
         self.block.clear();
         self.block.extend(blocks);
+        let trial = seen.pixel.iter().map(|&pixel| {
+            let (x, y) = (pixel % width, pixel / width);
+            // one of four in every row, staggered
+            (x + 2 * y).is_multiple_of(4)
+        });
+        self.trial.clear();
+        self.trial.extend(trial);
         // numbered from 0 within the tile
         let mut names: Vec<u32> = self.block.clone();
         names.sort_unstable();
@@ -48,6 +60,10 @@ impl BlockVisibility {
         self.looked.resize(names.len() * groups, 0);
         self.brought.clear();
         self.brought.resize(names.len() * groups, 0.0);
+        self.arrived.clear();
+        self.arrived.resize(names.len(), 0);
+        self.squares.clear();
+        self.squares.resize(names.len(), 0.0);
         self.found.clear();
         self.found.resize(self.block.len() * groups, false);
         self.rows.clear();
@@ -56,7 +72,23 @@ impl BlockVisibility {
         self.variance.resize(names.len(), 0.0);
     }
 
-    fn block(&self, row: usize) -> usize {
+    /// How many groups of lights there are.
+    pub(crate) fn groups(&self) -> usize {
+        self.groups
+    }
+
+    /// How many blocks there are.
+    pub(crate) fn blocks(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether a row's pixel is among the quarter of its block that trial rays go out from.
+    pub(crate) fn is_trial(&self, row: usize) -> bool {
+        self.trial[row]
+    }
+
+    /// Number of a row's block.
+    pub(crate) fn block(&self, row: usize) -> usize {
         self.block[row] as usize
     }
 
@@ -66,6 +98,11 @@ impl BlockVisibility {
         self.looked[place] += 1;
         self.brought[place] += brought * brought;
         self.found[row * self.groups + group] |= brought > 0.0;
+        if brought > 0.0 {
+            let block = self.block(row);
+            self.arrived[block] += 1;
+            self.squares[block] += brought * brought;
+        }
     }
 
     /// Learns the variance of a row's rays.
@@ -85,10 +122,16 @@ impl BlockVisibility {
     }
 
     /// Share of a group that counts for the block of a row, at least [`LEAST_SEEN`]; 1 where it has not
-    /// looked. Rays are best shared out by the root of the mean square of what they bring.
+    /// looked. Rays are best shared out by the root of the mean square of what they bring: beside that of
+    /// all rays of the block that nothing blocked, since materials send on less than they could.
     pub(crate) fn block_share(&self, row: usize, group: usize) -> f32 {
-        let place = self.block(row) * self.groups + group;
-        let (looked, brought) = (self.looked[place] + 1, self.brought[place] + 1.0);
+        let block = self.block(row);
+        let place = block * self.groups + group;
+        let usual = match self.arrived[block] {
+            0 => 1.0,
+            arrived => self.squares[block] / arrived as f32,
+        };
+        let (looked, brought) = (self.looked[place] + 1, self.brought[place] / usual + 1.0);
         (brought / looked as f32).sqrt().max(LEAST_SEEN)
     }
 
