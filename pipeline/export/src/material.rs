@@ -81,6 +81,10 @@ fn slot(
                 "<float name=\"int_ior\" value=\"{ior}\"/>\n<float name=\"ext_ior\" value=\"1\"/>\n"
             ));
         }
+        "nonlinear" => {
+            let is_so = value.x > 0.5;
+            return Ok(format!("<boolean name=\"nonlinear\" value=\"{is_so}\"/>\n"));
+        }
         _ => {}
     }
     let Some(picture) = texture(scene, parameter.texture) else {

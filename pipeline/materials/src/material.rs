@@ -42,6 +42,16 @@ pub struct Parameter {
     pub texture: u32,
 }
 
+impl Parameter {
+    /// A number without a texture.
+    pub(crate) fn number(value: f32) -> Parameter {
+        Parameter {
+            value: Vec3::splat(value),
+            texture: INVALID,
+        }
+    }
+}
+
 /// A parameter of a material as one of its kind's slots names it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlotValue {

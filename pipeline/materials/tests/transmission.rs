@@ -45,6 +45,11 @@ fn plastic(roughness: f32) -> Bsdf {
     ))
 }
 
+fn coated(roughness: f32) -> Bsdf {
+    let body = Vec3::new(0.7, 0.3, 0.1);
+    Bsdf::of(&Material::nonlinear_plastic("", body, roughness, 1.5))
+}
+
 fn layered(roughness: f32, clearcoat: f32, transmission: f32) -> Bsdf {
     let layers = Layers {
         clearcoat,
@@ -220,6 +225,7 @@ fn over_bands(of: impl Fn(Vec3) -> f64) -> Vec<f64> {
 fn lobes_follow_their_densities() {
     let all = [
         ("plastic", plastic(0.6)),
+        ("nonlinear plastic", coated(0.6)),
         ("coat", layered(0.7, 1.0, 0.0)),
         ("transmission", layered(0.6, 0.0, 0.7)),
         ("transmission, within", layered(0.6, 0.0, 0.7).from_within()),
@@ -278,6 +284,7 @@ fn nothing_makes_energy() {
             ("glass", glass),
             ("within", glass.from_within()),
             ("plastic", white(plastic(roughness))),
+            ("nonlinear plastic", white(coated(roughness))),
         ] {
             for cosine in [0.03, 0.2, 0.6, 1.0] {
                 let v = direction(cosine, 0.0);
@@ -313,6 +320,7 @@ fn light_may_cross_both_ways() {
         ("gold", gold(0.4)),
         ("glass", frosted(0.4)),
         ("plastic", plastic(0.4)),
+        ("nonlinear plastic", coated(0.4)),
         ("leaf", leaf()),
         ("transmission", layered(0.5, 0.0, 0.7)),
     ] {

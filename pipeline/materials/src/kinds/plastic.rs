@@ -1,7 +1,10 @@
-//! Plastic: a diffuse body under a rough dielectric coat, as in Mitsuba 3's `roughplastic` with linear
-//! colours. pbrt's `coateddiffuse` and `plastic` are nearest to it.
+//! Plastic: a diffuse body under a rough dielectric coat, as in Mitsuba 3's `roughplastic`.
 //!
-//! Own number: index of refraction of the coat.
+//! Light that the coat sends back to the body is coloured by it once more. Nonlinear plastic counts
+//! that, as a real coat does and pbrt's `coateddiffuse`. Linear plastic, Mitsuba's default, takes
+//! the body for white there, so that its colour is the one that is stated.
+//!
+//! Own numbers: index of refraction of the coat, and 1 for nonlinear or 0 for linear plastic.
 
 use super::lambert::{cosine_hemisphere, cosine_hemisphere_pdf};
 use super::plastic_table::{internal_reflectance, transmittance};
@@ -12,8 +15,7 @@ use crate::math::pick;
 use crate::opaque;
 use crate::refraction::mirrored;
 use crate::{
-    Bsdf, INVALID, Lobe, Material, MaterialKind, Parameter, Parts, Scatter, ShadingFrame, Slot,
-    Storage,
+    Bsdf, Lobe, Material, MaterialKind, Parameter, Parts, Scatter, ShadingFrame, Slot, Storage,
 };
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -29,6 +31,11 @@ pub static PLASTIC: MaterialKind = MaterialKind {
             "index of refraction",
             "int_ior",
             Storage::Own { first: 0, width: 1 },
+        ),
+        Slot::new(
+            "nonlinear",
+            "nonlinear",
+            Storage::Own { first: 1, width: 1 },
         ),
     ],
     mitsuba: "roughplastic",
@@ -62,18 +69,28 @@ pub static PLASTIC: MaterialKind = MaterialKind {
 scatter_lanes!(PLASTIC);
 
 impl Material {
-    /// A diffuse body under a coat, without textures.
+    /// Linear plastic without textures.
     pub fn plastic(name: impl Into<String>, base_color: Vec3, roughness: f32, ior: f32) -> Self {
         let ratio = (ior - 1.0) / (ior + 1.0);
         Self {
             kind: &PLASTIC,
             roughness,
             specular: (ratio * ratio / 0.08).min(1.0),
-            own: vec![Parameter {
-                value: Vec3::splat(ior),
-                texture: INVALID,
-            }],
+            own: [ior, 0.0].map(Parameter::number).to_vec(),
             ..Self::lambert(name, base_color)
+        }
+    }
+
+    /// Nonlinear plastic without textures.
+    pub fn nonlinear_plastic(
+        name: impl Into<String>,
+        base_color: Vec3,
+        roughness: f32,
+        ior: f32,
+    ) -> Self {
+        Self {
+            own: [ior, 1.0].map(Parameter::number).to_vec(),
+            ..Self::plastic(name, base_color, roughness, ior)
         }
     }
 }
@@ -88,9 +105,12 @@ fn eval(bsdf: &Bsdf, n: Vec3, v: Vec3, l: Vec3) -> Vec3 {
     let lobe = ggx(&half, alpha) * smith(cos_v, alpha) * smith(cos_l, alpha) / (4.0 * cos_v);
     let coat = dielectric(half.cos_d, eta) * lobe * bsdf.parts.lobe(alpha);
     let through = transmittance(cos_v, alpha, eta) * transmittance(cos_l, alpha, eta);
-    let body = through * cos_l * FRAC_1_PI * bsdf.parts.broad()
-        / (eta * eta * (1.0 - internal_reflectance(alpha, eta)));
-    let value = Vec3::splat(coat) + bsdf.base_color * body;
+    let [linear, nonlinear] = internal_reflectance(alpha, eta);
+    let part = bsdf.own[1];
+    let again = Vec3::splat(linear * (1.0 - part)) + bsdf.base_color * (nonlinear * part);
+    let series = Vec3::ONE - again;
+    let body = through * cos_l * FRAC_1_PI * bsdf.parts.broad() / (eta * eta);
+    let value = Vec3::splat(coat) + bsdf.base_color * body / series;
     pick((cos_v > 0.0) & (cos_l > 0.0), value, Vec3::ZERO)
 }
 

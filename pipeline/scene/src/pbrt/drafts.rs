@@ -144,7 +144,7 @@ impl Reader {
         (Draft::of(&leaf, base), note)
     }
 
-    /// A diffuse body under a rough coat, as Mitsuba's `roughplastic`.
+    /// A diffuse body under a rough coat, as Mitsuba's nonlinear `roughplastic`.
     fn coated_diffuse(&mut self, params: &Params) -> Read<(Draft, Option<String>)> {
         params.ignore(&[
             "thickness",
@@ -157,14 +157,14 @@ impl Reader {
         let base = self.value_or(params, "reflectance", 0.5)?;
         let eta = self.eta(params, &["eta"])?;
         let roughness = self.roughness(params, "", 0.0)?;
-        let mut note = "coated diffuser by Mitsuba's rough plastic".to_owned();
+        let mut note = "coated diffuser by Mitsuba's nonlinear rough plastic".to_owned();
         let index = eta.clamp(1.0, 2.5);
         if index != eta {
             note.push_str(&format!(
                 "; its index of refraction {eta} is read as {index}: 1 to 2.5 is tabulated"
             ));
         }
-        let plastic = Material::plastic("", Vec3::ONE, roughness as f32, index as f32);
+        let plastic = Material::nonlinear_plastic("", Vec3::ONE, roughness as f32, index as f32);
         Ok((Draft::of(&plastic, base), Some(note)))
     }
 
