@@ -166,7 +166,7 @@ impl Materials {
         }
         let mut material = Material::lambert(&mtl.name, colour);
         if mtl.roughness.is_some() || mtl.metallic.is_some() {
-            let index = mtl.index.unwrap_or(1.5);
+            let index = index_of_refraction(mtl, warnings);
             let ratio = (index - 1.0) / (index + 1.0);
             material.kind = &PRINCIPLED;
             material.roughness = mtl.roughness.unwrap_or(0.5);
@@ -285,18 +285,24 @@ fn make_mirror(mtl: &Mtl, material: &mut Material) {
     material.specular = 0.5;
 }
 
+/// Ni, or 1.5 where it is none.
+fn index_of_refraction(mtl: &Mtl, warnings: &mut Warnings) -> f32 {
+    let index = mtl.index.unwrap_or(1.5);
+    if index > 0.0 {
+        return index;
+    }
+    let message = format!("Ni {index} is no index of refraction: read as 1.5");
+    warnings.add(&mtl.place, message);
+    1.5
+}
+
 /// Glass (illum 4, 6, 7, 9) by Ni and Tf.
 fn glass(mtl: &Mtl, warnings: &mut Warnings) -> Option<Material> {
     let plain = mtl.roughness.is_none() && mtl.metallic.is_none();
     if !plain || !matches!(mtl.model, Some(4.0 | 6.0 | 7.0 | 9.0)) {
         return None;
     }
-    let mut index = mtl.index.unwrap_or(1.5);
-    if index <= 0.0 {
-        let message = format!("Ni {index} is no index of refraction: read as 1.5");
-        warnings.add(&mtl.place, message);
-        index = 1.5;
-    }
+    let index = index_of_refraction(mtl, warnings);
     let tint = mtl.filter.unwrap_or(Vec3::ONE);
     Some(Material::dielectric(&mtl.name, index, tint, Vec3::ZERO))
 }

@@ -202,20 +202,7 @@ impl Reader {
                     }
                 }
             }
-            "MediumInterface" => {
-                tokens.string("a medium's name")?;
-                if let Some(super::token::Token {
-                    kind: Kind::Quoted(_),
-                    ..
-                }) = tokens.peek()?
-                {
-                    tokens.string("a medium's name")?;
-                }
-                self.warn(
-                    place,
-                    "media are left out: light passes through them unchanged",
-                );
-            }
+            "MediumInterface" => self.medium_interface(tokens)?,
             "ColorSpace" => {
                 self.sees(Version::V4);
                 let (name, at) = tokens.string("a colour space's name")?;
@@ -282,13 +269,7 @@ impl Reader {
             "Sampler" | "PixelFilter" | "Accelerator" => Ok(()),
             "Material" => self.material_directive(&name, at, &params),
             "MakeNamedMaterial" => self.make_named_material(name, at, &params),
-            "MakeNamedMedium" => {
-                self.warn(
-                    place,
-                    "media are left out: light passes through them unchanged",
-                );
-                Ok(())
-            }
+            "MakeNamedMedium" => self.make_named_medium(name, &params),
             "Shape" => self.shape(&name, at, &params),
             "LightSource" => self.light_source(&name, at, &params),
             "AreaLightSource" => self.area_light_source(&name, at, &params),

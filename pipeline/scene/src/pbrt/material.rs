@@ -90,9 +90,10 @@ impl Reader {
         Ok(())
     }
 
-    /// pbrt's material where a file gives none: Lambert 0.5.
+    /// The material of the next shapes, filled with the medium in force; where a file gives none,
+    /// pbrt's: Lambert 0.5.
     pub fn material_of(&mut self, surface: Surface) -> Option<u32> {
-        match surface {
+        let id = match surface {
             Surface::Interface => None,
             Surface::Material(id) => Some(id),
             Surface::Default => {
@@ -102,7 +103,8 @@ impl Reader {
                 }
                 self.default_surface
             }
-        }
+        };
+        id.map(|id| self.filled(id))
     }
 
     fn surface(
@@ -209,15 +211,19 @@ impl Reader {
             normal_texture: draft.normal_texture,
             ..Material::lambert(name, base_color)
         };
+        Ok(self.store_material(material, map))
+    }
+
+    /// The id of a material, new or made before.
+    pub fn store_material(&mut self, material: Material, map: Mapping) -> u32 {
+        let next = self.scene.materials.len() as u32;
         let key = format!("{material:?} {map:?}");
-        if let Some(&known) = self.known_materials.get(&key) {
-            return Ok(known);
+        let id = *self.known_materials.entry(key).or_insert(next);
+        if id == next {
+            self.scene.materials.push(material);
+            self.material_maps.push(map);
         }
-        self.known_materials
-            .insert(key, self.scene.materials.len() as u32);
-        self.scene.materials.push(material);
-        self.material_maps.push(map);
-        Ok(self.scene.materials.len() as u32 - 1)
+        id
     }
 }
 

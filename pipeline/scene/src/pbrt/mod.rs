@@ -18,6 +18,7 @@ mod gloss;
 mod infinite;
 mod light;
 mod material;
+mod medium;
 mod mesh;
 mod metal;
 mod mix;

@@ -3,7 +3,7 @@
 use super::fault::{Fault, Files, Place, Read, Warnings, fault};
 use super::mesh::{MAX_TRIANGLES, Mesh};
 use super::params::Params;
-use super::state::{Block, Defaults, Emission, Film, Saved, State, Surface, Version};
+use super::state::{Block, Defaults, Emission, Film, Medium, Saved, State, Surface, Version};
 use super::token::Tokens;
 use super::value::{Mapping, Value};
 use crate::lost::LostPictures;
@@ -49,6 +49,7 @@ pub(super) struct Reader {
     pub version_seen: Option<Version>,
     pub systems: HashMap<String, DMat4>,
     pub materials: HashMap<String, Surface>,
+    pub media: HashMap<String, Medium>,
     pub float_textures: HashMap<String, Value>,
     pub spectrum_textures: HashMap<String, Value>,
     /// Pictures by path and whether they are inverted.
@@ -96,6 +97,7 @@ impl Reader {
             version_seen: None,
             systems: HashMap::new(),
             materials: HashMap::new(),
+            media: HashMap::new(),
             float_textures: HashMap::new(),
             spectrum_textures: HashMap::new(),
             pictures: TextureTable::new(),

@@ -2,7 +2,7 @@
 
 use super::fault::Place;
 use super::params::Params;
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec3, Vec3};
 
 /// Which version's rules hold where the two differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,15 @@ pub(super) enum Surface {
     Interface,
 }
 
+/// A named medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Medium {
+    /// Light is absorbed there [1/m] and not scattered.
+    Absorbs(Vec3),
+    /// Left out, with a warning where it was made.
+    LeftOut,
+}
+
 /// The state that `AttributeBegin` saves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
@@ -31,6 +40,8 @@ pub(super) struct State {
     pub reverse: bool,
     /// Material of the next shapes.
     pub surface: Surface,
+    /// Absorption [1/m] of the medium within the next shapes; black for none.
+    pub filled_with: Vec3,
     /// Emission of the next shapes, an index into the reader's emissions.
     pub emission: Option<usize>,
     /// Defaults set by `Attribute`, an index into the reader's list.
@@ -45,6 +56,7 @@ impl State {
             ctm: DMat4::IDENTITY,
             reverse: false,
             surface: Surface::Default,
+            filled_with: Vec3::ZERO,
             emission: None,
             defaults: None,
             at_end_time: false,

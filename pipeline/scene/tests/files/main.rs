@@ -9,5 +9,6 @@ mod gltf_lights;
 mod gltf_materials;
 mod gltf_scenes;
 mod obj_files;
+mod odd_glass;
 mod skies;
 mod support;

@@ -131,6 +131,8 @@ fn materials_map_onto_lambert_and_principled() {
         ("newmtl a\nKd 1\nillum 5\n", "a mirror"),
         ("newmtl a\nKd 1\nd 0.5\n", "veil"),
         ("newmtl a\nillum 7\nNi 0\n", "Ni 0 is no index"),
+        ("newmtl a\nillum 7\nNi -1.5\n", "Ni -1.5 is no index"),
+        ("newmtl a\nKd 1\nPr 0.5\nNi -1\n", "Ni -1 is no index"),
         ("newmtl a\nKd 1.5\n", "base colour [1.5, 1.5, 1.5]"),
         ("newmtl a\n", "no Kd"),
         (

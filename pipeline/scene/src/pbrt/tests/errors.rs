@@ -152,7 +152,7 @@ fn faults_have_their_place() {
 }
 
 /// Faults of a world's text, whose first line is line 3.
-const WORLD_FAULTS: [(&str, u32, &str); 42] = [
+const WORLD_FAULTS: [(&str, u32, &str); 44] = [
     ("Material \"velvet\"", 10, "unknown material \"velvet\""),
     (
         "Material \"diffuse\" \"rgb reflectance\" [1 1]",
@@ -200,6 +200,8 @@ const WORLD_FAULTS: [(&str, u32, &str); 42] = [
         "negative roughness",
     ),
     ("Material \"dielectric\" \"float eta\" 9", 23, "0.25 to 4"),
+    ("Material \"dielectric\" \"float eta\" 0", 23, "0.25 to 4"),
+    ("Material \"dielectric\" \"float eta\" -1.5", 23, "of -1.5"),
     (
         "Material \"mix\" \"string materials\" [\"a\" \"b\"]",
         10,

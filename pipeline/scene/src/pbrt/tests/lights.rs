@@ -202,7 +202,8 @@ fn media_and_motion_are_named() {
     .unwrap();
     let text = warnings(&scene);
     assert!(
-        text.contains("media are left out") && text.contains("motion is left out"),
+        text.contains("\"fog\" scatters light; it is left out")
+            && text.contains("motion is left out"),
         "{text}"
     );
     assert_eq!(scene.positions[0], Vec3::ZERO);

@@ -5,6 +5,7 @@ mod errors;
 mod files;
 mod lights;
 mod materials;
+mod media;
 mod orientation;
 mod robust;
 mod shapes;
