@@ -1,11 +1,11 @@
 """Error against CPU seconds: this trainer and other people's on one net, one cell, one start.
 
-    training.py CELL.f32 OUT.json [ROUNDS [PROGRAM,...]]      (a cell from export_cells.py)
+    training.py CELL.f32 OUT.json [ROUNDS [PROGRAM,... [SECONDS]]]      (a cell from export_cells.py)
 
 A 20-10 net, the cell's rows split 70 : 30, squared errors relative to the target's luminance, the
 same first weights for all. Each program runs on one thread, its own CPU time is
 counted, without the time for judging and for compiling. Programs take turns, ROUNDS times (3);
-the medians are kept, step by step. Every program ends after its steps or SECONDS of CPU.
+the medians are kept, step by step. Every program ends after its steps or SECONDS of CPU (5).
 
   ours          examples/race of rrf-train
   accelerated   the same with geodesic acceleration
@@ -202,7 +202,8 @@ def seconds_to(rows: list, error: float) -> float | None:
     return next((t for t, e, _ in rows if e <= error * (1 + 1e-9)), None)
 
 
-def main(cell: str, out: str, rounds: str = "3", programs: str = "") -> None:
+def main(cell: str, out: str, rounds: str = "3", programs: str = "", seconds: str = "5") -> None:
+    Clock.most = float(seconds)
     task = problem(cell)
     named = [name for name in programs.split(",") if name]
     known = PROGRAMS | ON_DEMAND
@@ -232,6 +233,6 @@ def main(cell: str, out: str, rounds: str = "3", programs: str = "") -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (3, 4, 5):
+    if len(sys.argv) not in (3, 4, 5, 6):
         sys.exit(__doc__)
     main(*sys.argv[1:])
