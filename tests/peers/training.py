@@ -21,7 +21,7 @@ the medians are kept, step by step. Every program ends after its steps or SECOND
   torch LM      torch-levenberg-marquardt, float64, all rows a step, Cholesky, its defaults else
   torch SOAP    heavyball's SOAP, float32, batches of 256 in random order, rate 3e-3 falling to 0 as a cosine
 
-The last two run only if they are named: tests/peers/requirements-torch.txt is a download of gigabytes.
+The torch programs run only if they are named: tests/peers/requirements-torch.txt is a download of gigabytes.
 """
 
 import json

@@ -47,6 +47,9 @@ CUT = """() => {
     const found = [];
     for (const e of document.querySelectorAll("header *, aside *, dialog *")) {
         if (!e.checkVisibility() || ![...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim())) continue;
+        // dots say that there is more
+        const style = (at) => getComputedStyle(at);
+        if (style(e).textOverflow === "ellipsis" || style(e.parentElement).textOverflow === "ellipsis") continue;
         const range = document.createRange();
         range.selectNodeContents(e);
         const words = e.closest("svg") ? e.getBoundingClientRect() : range.getBoundingClientRect();
@@ -55,12 +58,10 @@ CUT = """() => {
             continue;
         }
         for (let at = e; at.parentElement; at = at.parentElement) {
-            const style = getComputedStyle(at), box = at.getBoundingClientRect();
-            // dots say that there is more
-            if (style.textOverflow === "ellipsis") break;
-            const border = parseFloat(style.borderLeftWidth) > 0 && parseFloat(style.borderRightWidth) > 0;
-            const near = at === e && border ? 2 + parseFloat(style.borderLeftWidth) : 0;
-            const hides = style.overflowX !== "visible" || border;
+            const { borderLeftWidth, borderRightWidth, overflowX } = style(at), box = at.getBoundingClientRect();
+            const border = parseFloat(borderLeftWidth) > 0 && parseFloat(borderRightWidth) > 0;
+            const near = at === e && border ? 2 + parseFloat(borderLeftWidth) : 0;
+            const hides = overflowX !== "visible" || border;
             if (hides && (words.left < box.left + near - 0.5 || words.right > box.right - near + 0.5)) {
                 found.push(`${at.tagName}#${at.id}: ${e.textContent.trim().slice(0, 30)}`);
                 break;
