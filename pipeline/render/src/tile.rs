@@ -223,11 +223,7 @@ impl VisiblePoints {
     /// Material of a row as lights that shine on it find it.
     pub fn under_lights(&self, row: usize) -> Bsdf {
         let material = self.materials[row];
-        match self
-            .carried
-            .get(row)
-            .map_or(Lit::Whole, |carried| carried.lit)
-        {
+        match self.lit(row) {
             Lit::Whole => material,
             Lit::Widened => Bsdf {
                 roughness: material.roughness.max(BROAD_ROUGHNESS),
@@ -239,11 +235,17 @@ impl VisiblePoints {
 
     /// Whether lights are asked for at a row.
     pub fn is_asked(&self, row: usize) -> bool {
-        let lit = self
-            .carried
-            .get(row)
-            .map_or(Lit::Whole, |carried| carried.lit);
-        matches!(lit, Lit::Whole | Lit::Widened)
+        matches!(self.lit(row), Lit::Whole | Lit::Widened)
+    }
+
+    /// Whether a row was met by a ray that gathers light, one of many.
+    pub fn is_gathered(&self, row: usize) -> bool {
+        self.lit(row) != Lit::Whole
+    }
+
+    fn lit(&self, row: usize) -> Lit {
+        let carried = self.carried.get(row);
+        carried.map_or(Lit::Whole, |carried| carried.lit)
     }
 
     /// Share of light that is left after a distance up to the last row's surface, if that encloses

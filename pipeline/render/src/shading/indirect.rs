@@ -191,15 +191,18 @@ fn answer(
     answers.radiance.iter_mut().for_each(Vec::clear);
     answers.cells.clear();
     answers.trust.clear();
-    for found in &found {
+    for (row, found) in found.iter().enumerate() {
         let own = found.radiance.to_array();
         for (channel, x) in answers.radiance.iter_mut().zip(own) {
             channel.push(x);
         }
         answers.cells.push(found.cell);
-        answers.trust.push(
-            found.trusted && lit.residual <= MOST_RESIDUAL && found.radiance.element_sum() >= 0.0,
-        );
+        let is_fit = match seen.is_gathered(row) {
+            true => found.trusted_on_average,
+            false => found.trusted,
+        };
+        let has_sense = found.radiance.element_sum() >= 0.0;
+        (answers.trust).push(is_fit && lit.residual <= MOST_RESIDUAL && has_sense);
     }
 }
 

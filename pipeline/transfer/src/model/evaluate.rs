@@ -13,6 +13,10 @@ const BATCH: usize = 1024;
 /// Deviations by which a point may lie outside of what its net was fitted to.
 const MARGIN: f32 = 0.5;
 
+/// How much larger a cell's error may be where its answers are some of many that are averaged: one further ray in
+/// their place is noisier.
+const AVERAGED: f32 = 4.0;
+
 /// A model's answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransferAnswer {
@@ -22,6 +26,8 @@ pub struct TransferAnswer {
     pub cell: u32,
     /// Whether the cell's error is small enough and the point within what it was fitted to.
     pub trusted: bool,
+    /// The same for answers that are averaged with those of other cells, whose errors differ.
+    pub trusted_on_average: bool,
 }
 
 impl TransferAnswer {
@@ -30,6 +36,7 @@ impl TransferAnswer {
         radiance: Vec3::ZERO,
         cell: INVALID,
         trusted: false,
+        trusted_on_average: false,
     };
 }
 
@@ -89,6 +96,7 @@ impl TransferModel {
             parts,
         );
         let is_fit = own.error <= self.trust;
+        let is_fit_on_average = own.error <= AVERAGED * self.trust;
         answers.extend(queries.iter().zip(parts.iter()).map(|(query, found)| {
             let [base, constant] = (self.reflectances).at(query.surface.material, query.facing());
             let [p, q] = found.parts;
@@ -96,6 +104,7 @@ impl TransferModel {
                 radiance: query.base_color * p * base + q * constant,
                 cell,
                 trusted: is_fit && found.beyond <= MARGIN,
+                trusted_on_average: is_fit_on_average && found.beyond <= MARGIN,
             }
         }));
     }

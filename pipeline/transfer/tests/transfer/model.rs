@@ -197,3 +197,33 @@ fn bakes_can_be_halted() {
     let empty = bake_transfer(&tracer, &none, &lights, &config, &|| false).unwrap_err();
     assert_eq!(empty, rrf_transfer::TransferError::NoRows);
 }
+
+/// Cells of up to four times the error that is trusted are so still where answers are averaged with others.
+#[test]
+fn averaged_answers_are_trusted_longer() {
+    let scene = cornell();
+    let tracer = Tracer::new(&scene).unwrap();
+    let mut model = bake(&tracer, &config(CellChoice::Nodes));
+    let points = seen(&tracer, 0, 40, 77);
+    let asked: Vec<_> = points
+        .iter()
+        .map(|p| TransferQuery::of_row(&tracer, p))
+        .collect();
+    let light = model.receivers(&tracer).irradiance(&lights(1, 78)[0]);
+    let light = model.coefficients(&light).unwrap();
+    model.trust = 0.5;
+    let mut trusted = |error: f32| -> [Vec<bool>; 2] {
+        model.cells.iter_mut().for_each(|cell| cell.error = error);
+        let answers = model.evaluate(&light, &asked);
+        [
+            answers.iter().map(|a| a.trusted).collect(),
+            answers.iter().map(|a| a.trusted_on_average).collect(),
+        ]
+    };
+    let [inside, averaged] = trusted(0.4);
+    assert_eq!(inside, averaged);
+    assert!(inside.contains(&true));
+    let none = vec![false; inside.len()];
+    assert_eq!(trusted(1.9), [none.clone(), inside]);
+    assert_eq!(trusted(2.1), [none.clone(), none]);
+}
