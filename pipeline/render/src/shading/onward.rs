@@ -183,10 +183,12 @@ impl Job<'_> {
         depth + 1 < MOST_FOLLOWED as u32 && !work.seen.points.is_empty()
     }
 
-    /// Weighs what was gathered by where it was looked for, and lights it by its patches where they are seen from
-    /// afar.
+    /// Weighs what was gathered by where it was looked for, and under a sky lights it by its patches where they are
+    /// seen from afar.
     fn light_gathered(&self, seen: &mut VisiblePoints, band: &mut Band) {
         let Some(patches) = &self.patches else { return };
+        // one shadow ray to a sky says little, to other lights more than their mean over a patch
+        let is_exact = !self.sampled.far.iter().any(|source| source.is_sky());
         for row in 0..seen.points.len() {
             let carried = seen.carried[row];
             if carried.lit != Lit::Widened {
@@ -202,7 +204,8 @@ impl Job<'_> {
                 continue;
             }
             let baked = patches.baked(&point);
-            let baked = baked.filter(|_| carried.length >= patches.width(&point));
+            let is_far = !is_exact && carried.length >= patches.width(&point);
+            let baked = baked.filter(|_| is_far);
             let scene = self.tracer.scene();
             if let Some(sent) = baked.and_then(|at| self.lit.sent(scene, seen, row, &at)) {
                 seen.carried[row].lit = Lit::Even;
