@@ -8,7 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rrf_field::columns::{self, Columns};
 use rrf_lights::{DistantLight, OwnLight};
-use rrf_render::{AreaLights, Lights, PointAnswers, RenderOptions};
+use rrf_render::{AreaLights, Lights, Passes, PointAnswers, RenderOptions};
 use rrf_scene::{INVALID, PointLight, Scene};
 use rrf_store::points::{PointsTable, SUN};
 use rrf_trace::{SurfacePoint, Tracer};
@@ -46,7 +46,7 @@ pub fn answer(
     tracer: &Tracer,
     (table, located): (&PointsTable, &[SurfacePoint]),
     path: &Path,
-    options: &RenderOptions,
+    (options, passes): (&RenderOptions, Option<&Passes>),
 ) -> anyhow::Result<RowAnswers> {
     let scene = &baked.scene;
     let parts = match model {
@@ -73,7 +73,11 @@ pub fn answer(
         let viewers = points::vectors_of(table, columns::V, &part.rows);
         let names: Vec<u64> = part.rows.iter().map(|&row| row as u64).collect();
         let renderer = model.renderer(tracer);
-        Ok(renderer.at_points(&places, &viewers, &names, &part.lights, &options)?)
+        let (at, lights) = ((&places[..], &viewers[..]), &part.lights);
+        Ok(match passes {
+            Some(passes) => renderer.at_points_in_passes(at, &names, lights, &options, passes)?,
+            None => renderer.at_points(at.0, at.1, &names, lights, &options)?,
+        })
     };
     let found: Vec<PointAnswers> = parts.par_iter().map(ask).collect::<Result<_, _>>()?;
     let mut answers = RowAnswers {

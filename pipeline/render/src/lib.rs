@@ -54,7 +54,7 @@ pub use frame::Frame;
 pub use io::{camera_path, exr, png};
 pub use options::{Part, RenderOptions, Trusted};
 pub use proxies::{AreaLights, LightProxy};
-pub use shading::{MOST_RESIDUAL, PointAnswers, Renderer, render};
+pub use shading::{MOST_RESIDUAL, Passes, PointAnswers, Renderer, render};
 pub use tile::{OFF_CENTRE, raw};
 pub use timings::{FrameStage, FrameTimings};
 pub use traced::{PathOptions, trace_frame, trace_untrusted};

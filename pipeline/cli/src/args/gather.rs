@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 pub struct GatherArgs {
     /// Final gather: N rays from each broad surface, where direct light and the model answer in place of
     /// the model at the surface itself. Smaller errors for more time.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=4096))]
-    pub gather: u32,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4096))]
+    pub gather: Option<u32>,
     /// Treatment of what is not trusted: by default a query of a transfer gathers, and all else is
     /// believed.
     #[arg(long, value_enum)]

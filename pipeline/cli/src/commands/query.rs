@@ -10,7 +10,7 @@ use arrow::array::{ArrayRef, BooleanArray, Float32Array, RecordBatch, UInt32Arra
 use clap::Args;
 use rrf_extract::{PointClass, VisibilityQueries};
 use rrf_field::columns::{self, Columns};
-use rrf_render::RenderOptions;
+use rrf_render::{Passes, RenderOptions};
 use rrf_scene::Scene;
 use rrf_store::Limits;
 use rrf_store::points::{PointsTable, check_ending, read_points, with_columns, write_batch};
@@ -39,26 +39,44 @@ pub struct QueryArgs {
     /// Rays in place of the model's answers.
     #[command(flatten)]
     pub gather: GatherArgs,
-    /// Rays of a row of --fallback gather.
-    #[arg(long, value_name = "N", default_value_t = FALLBACK_RAYS, value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub fallback_spp: u32,
+    /// Rays of a row of --fallback gather. By default 1,024 in a run of nets, and in a run of a transfer as many
+    /// as a row needs for a standard error of 5 %, from 1,024 up to 4,096.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub fallback_spp: Option<u32>,
     /// Which cells are believed.
     #[command(flatten)]
     pub trust: TrustArgs,
 }
 
-/// Rays of a row where the model is not trusted.
+/// Rays of a row of nets where they are not trusted.
 const FALLBACK_RAYS: u32 = 1024;
+/// Rays of a pass over the rows of a transfer.
+const PASS_RAYS: u32 = 256;
+/// How many passes rows of a transfer get: 1,024 rays, and more where those differ too much.
+const PASSES: Passes = Passes {
+    least: 4,
+    most: 16,
+    noise: 0.05,
+};
 
 /// How a table is answered.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Asking {
     /// Blend neighbouring nets.
     pub blend: bool,
-    /// Rays of a row by final gather; 0 for none.
-    pub gather: u32,
-    /// Rays of a row that is not trusted, or none; by default what is usual for the method.
-    pub fallback: Option<u32>,
+    /// Rays of a row by final gather, 0 for none; by default rows of a transfer gather if it may fall back on it.
+    pub gather: Option<u32>,
+    /// What is not trusted; by default what is usual for the method.
+    pub fallback: Option<Fallback>,
+    /// Rays of a row that is not trusted; by default what is usual for the method.
+    pub fallback_rays: Option<u32>,
+}
+
+/// Rays of a table.
+struct Rays {
+    gather: u32,
+    fallback: u32,
+    passes: Option<Passes>,
 }
 
 /// Reads the table, evaluates the model, writes the table with `r g b cell_id trusted` appended.
@@ -66,8 +84,7 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     check_ending(&args.output)?;
     let baked = Baked::open(&args.run, args.trust.trust_error)?;
     let table = read_points(&args.points, Limits::default())?;
-    let Answered { batch, untrusted } =
-        answer(&baked, &table, &args.points, &asking(args, &baked)?)?;
+    let Answered { batch, untrusted } = answer(&baked, &table, &args.points, &asking(args)?)?;
     write_batch(&args.output, Table::Answers, &batch)?;
     println!(
         "{} rows, {untrusted} of them not trusted: outside what the model was trained on, or in a cell with an \
@@ -78,25 +95,43 @@ pub fn run(args: &QueryArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn asking(args: &QueryArgs, baked: &Baked) -> Result<Asking, BadInput> {
-    let usual = match baked.model {
-        BakedModel::Nets(_) => Fallback::None,
-        BakedModel::Transfer(_) => Fallback::Gather,
-    };
-    let fallback = match args.gather.fallback.unwrap_or(usual) {
-        Fallback::None => 0,
-        Fallback::Gather => args.fallback_spp,
-        Fallback::Trace => {
-            let told =
-                "--fallback trace: a query gathers; `rrf trace --points` path-traces a table";
-            return Err(BadInput(told.into()));
-        }
-    };
+fn asking(args: &QueryArgs) -> Result<Asking, BadInput> {
+    if args.gather.fallback == Some(Fallback::Trace) {
+        let told = "--fallback trace: a query gathers; `rrf trace --points` path-traces a table";
+        return Err(BadInput(told.into()));
+    }
     Ok(Asking {
         blend: args.blend,
         gather: args.gather.gather,
-        fallback: Some(fallback),
+        fallback: args.gather.fallback,
+        fallback_rays: args.fallback_spp,
     })
+}
+
+impl Asking {
+    /// Rays of a table. Every row of a transfer gathers, whatever its cell states: errors of many cells average
+    /// out, and the worst rows lie in cells that state little.
+    fn rays(&self, model: &BakedModel) -> Rays {
+        let is_transfer = matches!(model, BakedModel::Transfer(_));
+        let falls_back = match self.fallback {
+            None => is_transfer,
+            Some(fallback) => fallback == Fallback::Gather,
+        };
+        let fixed = self.gather.or(self.fallback_rays.filter(|_| is_transfer));
+        let in_passes = is_transfer && falls_back && fixed.is_none();
+        Rays {
+            gather: match (in_passes, falls_back && is_transfer) {
+                (true, _) => PASS_RAYS,
+                (false, true) => fixed.unwrap_or(0),
+                (false, false) => self.gather.unwrap_or(0),
+            },
+            fallback: match falls_back {
+                true => self.fallback_rays.unwrap_or(FALLBACK_RAYS),
+                false => 0,
+            },
+            passes: in_passes.then_some(PASSES),
+        }
+    }
 }
 
 /// A table with the model's answers.
@@ -117,17 +152,13 @@ pub fn answer(
     let scene = &baked.unlit;
     let tracer = Tracer::new(scene)?;
     let located = points::locate(&tracer, table, place)?;
-    let usual = match baked.model {
-        BakedModel::Nets(_) => 0,
-        BakedModel::Transfer(_) => FALLBACK_RAYS,
-    };
-    let fallback = asking.fallback.unwrap_or(usual);
+    let rays = asking.rays(&baked.model);
     let RowAnswers {
         mut radiance,
         cells,
         trusted,
     } = match baked.ready(&tracer)? {
-        ReadyModel::Nets(nets) if fallback + asking.gather == 0 && !baked.traces_narrow() => {
+        ReadyModel::Nets(nets) if rays.fallback + rays.gather == 0 && !baked.traces_narrow() => {
             let rows = points::rows(&tracer, table, &located);
             by_nets(asking.blend, baked, nets, &rows)?
         }
@@ -135,12 +166,13 @@ pub fn answer(
         model => {
             let nets = baked.nets().filter(|_| asking.blend);
             let options = RenderOptions {
-                gather: asking.gather,
-                fallback,
+                gather: rays.gather,
+                fallback: rays.fallback,
                 borders: nets.map(|nets| &nets.borders),
                 ..RenderOptions::default()
             };
-            point_rows::answer(&model, baked, &tracer, (table, &located), place, &options)?
+            let ways = (&options, rays.passes.as_ref());
+            point_rows::answer(&model, baked, &tracer, (table, &located), place, ways)?
         }
     };
     darken_sealed(scene, &tracer, &located, table, &mut radiance);

@@ -181,7 +181,7 @@ pub fn frame(args: &RenderArgs, baked: &Baked) -> anyhow::Result<Option<Frame>> 
         // nets are asked again for every row: not where time is measured
         trusted: (film.is_none() && args.json_stats.is_none() || fallback == Fallback::Gather)
             .then_some(&trusted),
-        gather: args.gather.gather,
+        gather: args.gather.gather.unwrap_or(0),
         fallback: match fallback {
             Fallback::Gather => args.fallback_spp.unwrap_or(FALLBACK_RAYS),
             _ => 0,

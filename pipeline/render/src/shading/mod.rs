@@ -9,6 +9,7 @@ mod indirect;
 mod job;
 mod layers;
 mod onward;
+mod passes;
 mod points;
 mod probes;
 
@@ -32,6 +33,7 @@ use rrf_transfer::LightBook;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
+pub use passes::Passes;
 pub use points::PointAnswers;
 pub use rrf_transfer::MOST_RESIDUAL;
 

@@ -1,7 +1,7 @@
 //! Indirect light at points that are asked about, as a frame's pixels have it.
 
 use super::Renderer;
-use super::job::PixelNames;
+use super::job::{Job, PixelNames};
 use super::layers::Band;
 use crate::error::RenderError;
 use crate::options::{Part, RenderOptions};
@@ -47,6 +47,17 @@ impl Renderer<'_> {
             ..*options
         };
         let (job, _) = self.job(lights, &options)?;
+        self.pass(&job, (points, viewers), names)
+    }
+
+    /// One answer of each point.
+    pub(super) fn pass(
+        &self,
+        job: &Job,
+        (points, viewers): (&[SurfacePoint], &[Vec3]),
+        names: &[u64],
+    ) -> Result<PointAnswers, RenderError> {
+        let options = job.options;
         let rays = options.gather.max(options.fallback).max(1);
         let most = (RAYS_AT_ONCE / rays).max(1) as usize;
         let mut runs: Vec<&[u64]> = Vec::new();

@@ -1,11 +1,11 @@
 //! Rays that are gathered from broad surfaces, against closed forms and the path tracer.
 
 use crate::support::*;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rrf_field::Field;
 use rrf_field::columns::{self, Columns};
 use rrf_field::tree::Tree;
-use rrf_render::{Lights, OFF_CENTRE, Part, RenderOptions, Renderer, ShadowRays, View};
+use rrf_render::{Lights, OFF_CENTRE, Part, Passes, RenderOptions, Renderer, ShadowRays, View};
 use rrf_sampling::{Stage, Stream};
 use rrf_scene::{INVALID, Material, PointLight, Scene};
 use rrf_trace::{Queries, SurfacePoint, Tracer, indirect};
@@ -217,4 +217,59 @@ fn points_are_what_pixels_show() {
     // paths that go on until they are believed are believed
     let partly = trust.iter().filter(|&&t| t > 0.3 && t < 0.99).count();
     assert!(partly < trust.len() / 10, "{partly}");
+}
+
+/// Passes are means of answers with names of their own, and points of a standard error above the bound get twice
+/// as many.
+#[test]
+fn passes_go_on_where_noise_is_high() {
+    let scene = shaded_room();
+    let tracer = Tracer::new(&scene).unwrap();
+    let lights = Lights {
+        points: vec![point_light([0.4, -0.3, 1.2])],
+        ..Lights::default()
+    };
+    let none = |rows: &Columns| vec![false; rows.len()];
+    let options = RenderOptions {
+        trusted: Some(&none),
+        gather: 8,
+        fallback: 8,
+        ..RenderOptions::default()
+    };
+    // on the coat, the mirror and the rough metal
+    let points = [0, 2, 4].map(|triangle| tracer.point(triangle, [0.3, 0.4]));
+    let viewers = [Vec3::new(0.3, -0.2, 0.9).normalize(); 3];
+    let names = [4u64, 5, 9];
+    let field = field();
+    let renderer = Renderer::new(&tracer, &field).tracing_narrow(true);
+    let found = (0..8u64).map(|pass| {
+        let names = names.map(|name| name + (pass << 44));
+        let found = renderer.at_points(&points, &viewers, &names, &lights, &options);
+        found.unwrap().radiance
+    });
+    let found: Vec<Vec<Vec3>> = found.collect();
+    let mean = |row: usize, count: usize| {
+        let sum: DVec3 = found[..count].iter().map(|of| of[row].as_dvec3()).sum();
+        (sum / count as f64).as_vec3()
+    };
+    // none of the three is below ε
+    let level = |radiance: Vec3| f64::from(radiance.element_sum()) / 3.0;
+    let noise = [0, 1, 2].map(|row: usize| {
+        let mean = level(mean(row, 4));
+        let square = |of: &Vec<Vec3>| (level(of[row]) - mean).powi(2);
+        (found[..4].iter().map(square).sum::<f64>() / 12.0).sqrt() / mean
+    });
+    let bound = noise.iter().sum::<f64>() / 3.0;
+    let passes = Passes {
+        least: 4,
+        most: 8,
+        noise: bound,
+    };
+    let at = (&points[..], &viewers[..]);
+    let answers = renderer.at_points_in_passes(at, &names, &lights, &options, &passes);
+    let answers = answers.unwrap();
+    for row in 0..3 {
+        let count = if noise[row] > bound { 8 } else { 4 };
+        assert_eq!(answers.radiance[row], mean(row, count), "{row}, {noise:?}");
+    }
 }
