@@ -46,7 +46,7 @@ pub fn answer(
     tracer: &Tracer,
     (table, located): (&PointsTable, &[SurfacePoint]),
     path: &Path,
-    (options, passes): (&RenderOptions, Option<&Passes>),
+    (options, passes): (&RenderOptions, &Passes),
 ) -> anyhow::Result<RowAnswers> {
     let scene = &baked.scene;
     let parts = match model {
@@ -73,11 +73,8 @@ pub fn answer(
         let viewers = points::vectors_of(table, columns::V, &part.rows);
         let names: Vec<u64> = part.rows.iter().map(|&row| row as u64).collect();
         let renderer = model.renderer(tracer);
-        let (at, lights) = ((&places[..], &viewers[..]), &part.lights);
-        Ok(match passes {
-            Some(passes) => renderer.at_points_in_passes(at, &names, lights, &options, passes)?,
-            None => renderer.at_points(at.0, at.1, &names, lights, &options)?,
-        })
+        let at = (&places[..], &viewers[..]);
+        Ok(renderer.at_points_in_passes(at, &names, &part.lights, &options, passes)?)
     };
     let found: Vec<PointAnswers> = parts.par_iter().map(ask).collect::<Result<_, _>>()?;
     let mut answers = RowAnswers {

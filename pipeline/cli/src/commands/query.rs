@@ -64,19 +64,20 @@ const PASSES: Passes = Passes {
 pub struct Asking {
     /// Blend neighbouring nets.
     pub blend: bool,
-    /// Rays of a row by final gather, 0 for none; by default rows of a transfer gather if it may fall back on it.
+    /// Rays of a row by final gather, 0 for none; by default rows of a transfer gather if they may fall back on it.
     pub gather: Option<u32>,
-    /// What is not trusted; by default what is usual for the method.
+    /// Treatment of answers that are not trusted; by default as is usual for the method.
     pub fallback: Option<Fallback>,
-    /// Rays of a row that is not trusted; by default what is usual for the method.
+    /// Rays of a row that falls back; by default as many as is usual for the method.
     pub fallback_rays: Option<u32>,
 }
 
 /// Rays of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Rays {
     gather: u32,
     fallback: u32,
-    passes: Option<Passes>,
+    passes: Passes,
 }
 
 /// Reads the table, evaluates the model, writes the table with `r g b cell_id trusted` appended.
@@ -111,25 +112,24 @@ fn asking(args: &QueryArgs) -> Result<Asking, BadInput> {
 impl Asking {
     /// Rays of a table. Every row of a transfer gathers, whatever its cell states: errors of many cells average
     /// out, and the worst rows lie in cells that state little.
-    fn rays(&self, model: &BakedModel) -> Rays {
-        let is_transfer = matches!(model, BakedModel::Transfer(_));
+    fn rays(&self, is_transfer: bool) -> Rays {
         let falls_back = match self.fallback {
             None => is_transfer,
             Some(fallback) => fallback == Fallback::Gather,
         };
-        let fixed = self.gather.or(self.fallback_rays.filter(|_| is_transfer));
-        let in_passes = is_transfer && falls_back && fixed.is_none();
+        let all_gather = is_transfer && falls_back;
+        let fixed = self.gather.or(self.fallback_rays.filter(|_| all_gather));
+        let (gather, passes) = match fixed {
+            None if all_gather => (PASS_RAYS, PASSES),
+            fixed => (fixed.unwrap_or(0), Passes::ONE),
+        };
         Rays {
-            gather: match (in_passes, falls_back && is_transfer) {
-                (true, _) => PASS_RAYS,
-                (false, true) => fixed.unwrap_or(0),
-                (false, false) => self.gather.unwrap_or(0),
-            },
+            gather,
             fallback: match falls_back {
                 true => self.fallback_rays.unwrap_or(FALLBACK_RAYS),
                 false => 0,
             },
-            passes: in_passes.then_some(PASSES),
+            passes,
         }
     }
 }
@@ -152,7 +152,7 @@ pub fn answer(
     let scene = &baked.unlit;
     let tracer = Tracer::new(scene)?;
     let located = points::locate(&tracer, table, place)?;
-    let rays = asking.rays(&baked.model);
+    let rays = asking.rays(matches!(baked.model, BakedModel::Transfer(_)));
     let RowAnswers {
         mut radiance,
         cells,
@@ -171,7 +171,7 @@ pub fn answer(
                 borders: nets.map(|nets| &nets.borders),
                 ..RenderOptions::default()
             };
-            let ways = (&options, rays.passes.as_ref());
+            let ways = (&options, &rays.passes);
             point_rows::answer(&model, baked, &tracer, (table, &located), place, ways)?
         }
     };
@@ -231,6 +231,50 @@ fn darken_sealed(
         };
         if visibility.from_surface(point, side) != PointClass::Open {
             radiance.iter_mut().for_each(|channel| channel[row] = 0.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rays(gather: Option<u32>, fallback: Option<Fallback>, fallback_rays: Option<u32>) -> Asking {
+        Asking {
+            gather,
+            fallback,
+            fallback_rays,
+            ..Asking::default()
+        }
+    }
+
+    /// Rows of a transfer gather in passes unless their rays are told or it may not fall back; of nets, those alone
+    /// that are not trusted, if asked to.
+    #[test]
+    fn options_choose_rays() {
+        let one = |gather, fallback| Rays {
+            gather,
+            fallback,
+            passes: Passes::ONE,
+        };
+        let passes = Rays {
+            gather: PASS_RAYS,
+            fallback: FALLBACK_RAYS,
+            passes: PASSES,
+        };
+        let (none, falls) = (Some(Fallback::None), Some(Fallback::Gather));
+        for (asking, of_transfer, of_nets) in [
+            (rays(None, None, None), passes, one(0, 0)),
+            (rays(None, falls, None), passes, one(0, 1024)),
+            (rays(None, none, None), one(0, 0), one(0, 0)),
+            (rays(None, none, Some(64)), one(0, 0), one(0, 0)),
+            (rays(None, falls, Some(64)), one(64, 64), one(0, 64)),
+            (rays(Some(0), None, None), one(0, 1024), one(0, 0)),
+            (rays(Some(8), None, None), one(8, 1024), one(8, 0)),
+            (rays(Some(8), none, None), one(8, 0), one(8, 0)),
+        ] {
+            assert_eq!(asking.rays(true), of_transfer, "{asking:?}");
+            assert_eq!(asking.rays(false), of_nets, "{asking:?}");
         }
     }
 }

@@ -15,7 +15,7 @@ struct Differences {
     pixels: f64,
     /// Sum of squared differences.
     squares: f64,
-    /// The same of independent rays, and that times the logarithm of the number of rays.
+    /// Sum of the squares that independent rays would have, and that times the logarithm of the number of rays.
     independent: f64,
     logarithms: f64,
 }

@@ -188,7 +188,7 @@ impl Job<'_> {
     fn light_gathered(&self, seen: &mut VisiblePoints, band: &mut Band) {
         let Some(patches) = &self.patches else { return };
         // one shadow ray to a sky says little, to other lights more than their mean over a patch
-        let is_exact = !self.sampled.far.iter().any(|source| source.is_sky());
+        let has_sky = self.sampled.far.iter().any(|source| source.is_sky());
         for row in 0..seen.points.len() {
             let carried = seen.carried[row];
             if carried.lit != Lit::Widened {
@@ -204,8 +204,7 @@ impl Job<'_> {
                 continue;
             }
             let baked = patches.baked(&point);
-            let is_far = !is_exact && carried.length >= patches.width(&point);
-            let baked = baked.filter(|_| is_far);
+            let baked = baked.filter(|_| has_sky && carried.length >= patches.width(&point));
             let scene = self.tracer.scene();
             if let Some(sent) = baked.and_then(|at| self.lit.sent(scene, seen, row, &at)) {
                 seen.carried[row].lit = Lit::Even;

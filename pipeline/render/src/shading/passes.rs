@@ -16,12 +16,21 @@ const PASS_NAMES: u64 = 1 << 44;
 /// How many passes points are answered in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passes {
-    /// Passes of every point, 2 or more: they tell its noise.
+    /// Passes of every point; from 2 on they tell its noise.
     pub least: u32,
     /// Passes of a point at the most.
     pub most: u32,
     /// Relative standard error that is low enough.
     pub noise: f64,
+}
+
+impl Passes {
+    /// A single pass.
+    pub const ONE: Passes = Passes {
+        least: 1,
+        most: 1,
+        noise: 0.0,
+    };
 }
 
 /// Sums over the passes of a point.
@@ -52,6 +61,23 @@ impl Sums {
 }
 
 impl Renderer<'_> {
+    /// Answers at `points` of the tracer's scene toward unit directions `viewers` under `lights`: the
+    /// model, what narrow lobes show, and what is gathered. Random numbers belong to the points' `names`. The
+    /// same bits on any number of threads.
+    ///
+    /// # Errors
+    /// Of lights that cannot be rendered.
+    pub fn at_points(
+        &self,
+        points: &[SurfacePoint],
+        viewers: &[Vec3],
+        names: &[u64],
+        lights: &Lights,
+        options: &RenderOptions,
+    ) -> Result<PointAnswers, RenderError> {
+        self.at_points_in_passes((points, viewers), names, lights, options, &Passes::ONE)
+    }
+
     /// [`Renderer::at_points`] in passes of `options.gather` rays: every point gets `passes.least`; those whose
     /// standard error is above the bound get twice as many, and so on. Errors are relative to the point's own light or
     /// to ε of all points', as the relative error is. Since the number of passes follows from what they found, light
@@ -77,7 +103,7 @@ impl Renderer<'_> {
         let mut sums = vec![Sums::default(); points.len()];
         let mut counts = vec![0u32; points.len()];
         let mut asked: Vec<usize> = (0..points.len()).collect();
-        let (mut done, mut wanted) = (0, passes.least.max(2));
+        let (mut done, mut wanted) = (0, passes.least.max(1));
         while !asked.is_empty() {
             let own: Vec<SurfacePoint> = asked.iter().map(|&row| points[row]).collect();
             let from: Vec<Vec3> = asked.iter().map(|&row| viewers[row]).collect();
@@ -94,7 +120,7 @@ impl Renderer<'_> {
                 }
             }
             done = wanted;
-            wanted = (2 * wanted).min(passes.most);
+            wanted = wanted.saturating_mul(2).min(passes.most);
             if done >= wanted {
                 break;
             }

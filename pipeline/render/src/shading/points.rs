@@ -4,9 +4,7 @@ use super::Renderer;
 use super::job::{Job, PixelNames};
 use super::layers::Band;
 use crate::error::RenderError;
-use crate::options::{Part, RenderOptions};
 use crate::timings::Stopwatch;
-use crate::view::Lights;
 use glam::Vec3;
 use rayon::prelude::*;
 use rrf_scene::INVALID;
@@ -27,29 +25,6 @@ pub struct PointAnswers {
 }
 
 impl Renderer<'_> {
-    /// Answers at `points` of the tracer's scene toward unit directions `viewers` under `lights`: the
-    /// model, what narrow lobes show, and what is gathered. Random numbers belong to the points' `names`. The
-    /// same bits on any number of threads.
-    ///
-    /// # Errors
-    /// Of lights that cannot be rendered.
-    pub fn at_points(
-        &self,
-        points: &[SurfacePoint],
-        viewers: &[Vec3],
-        names: &[u64],
-        lights: &Lights,
-        options: &RenderOptions,
-    ) -> Result<PointAnswers, RenderError> {
-        lights.check()?;
-        let options = RenderOptions {
-            part: Part::Indirect,
-            ..*options
-        };
-        let (job, _) = self.job(lights, &options)?;
-        self.pass(&job, (points, viewers), names)
-    }
-
     /// One answer of each point.
     pub(super) fn pass(
         &self,

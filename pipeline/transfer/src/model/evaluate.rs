@@ -26,7 +26,7 @@ pub struct TransferAnswer {
     pub cell: u32,
     /// Whether the cell's error is small enough and the point within what it was fitted to.
     pub trusted: bool,
-    /// The same for answers that are averaged with those of other cells, whose errors differ.
+    /// Whether it is for an answer that is averaged with those of other cells, whose errors differ.
     pub trusted_on_average: bool,
 }
 

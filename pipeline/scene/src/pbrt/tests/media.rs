@@ -37,7 +37,7 @@ fn glass_is_filled_with_what_absorbs() {
     assert_eq!(Bsdf::of(&old.materials[id]).interior(), green);
 }
 
-/// What scatters is left out with its name, whatever the reason.
+/// Media that scatter are left out with their name, whatever the reason.
 #[test]
 fn what_scatters_is_left_out() {
     for (medium, words) in [
